@@ -32,10 +32,10 @@ async function opened() {
 }
 
 async function planned(panel, found) {
-  const shown = await numbers(panel.getByRole("table", { name: "Expected standard error" }));
+  const shown = await numbers(panel.getByRole("table", { name: "Expected uncertainty" }));
   assert.deepEqual(Object.keys(shown), found.terms.map(({ name }) => name));
   for (const { name, standard_error, unit } of found.terms) {
-    near(shown[name]["expected standard error"], standard_error, name);
+    near(shown[name]["± 95 %"], 1.959963984540054 * standard_error, name);
     assert.equal(shown[name].unit, unit);
   }
 }

@@ -76,16 +76,15 @@ for (const { name, fields, line, at } of CASES)
     const document = await cli([...given, "--json"]);
 
     // The number of points comes from the last field typed.
-    await settled(panel, "Flank and machine", "Points of the grid", document.points.length);
-    const data = await settled(panel, "Flank and machine", "Lead parameter", document.surface.lead_parameter_mm_per_rad);
-    assert.equal(data["Base radius / mm"].Value, document.surface.base_radius_mm);
-    assert.equal(data["Lead / mm"].Value, document.surface.lead_mm);
-    assert.equal(data["Tilt of the normal / degrees"].Value, document.surface.tilt_deg);
-    assert.equal(data["Pivot length / mm"].Value, document.inputs.pivot_mm);
-    assert.equal(data["Points of the grid"].Value, document.points.length);
+    await settled(panel, "Flank", "points of the grid", document.points.length);
+    const data = await settled(panel, "Flank", "lead parameter", document.surface.lead_parameter_mm_per_rad);
+    assert.equal(data["base radius"].value, document.surface.base_radius_mm);
+    assert.equal(data.lead.value, document.surface.lead_mm);
+    assert.equal(data["tilt γ of the normal"].value, document.surface.tilt_deg);
+    assert.equal(data["points of the grid"].value, document.points.length);
     if (document.gear) {
-      assert.equal(data["Transverse module / mm"].Value, document.gear.transverse_module_mm);
-      assert.equal(data["Base helix angle / degrees"].Value, document.gear.base_helix_angle_deg);
+      assert.equal(data["transverse module"].value, document.gear.transverse_module_mm);
+      assert.equal(data["base helix angle"].value, document.gear.base_helix_angle_deg);
     }
 
     // The tool at the first point of the grid, on both branches; then at the last point.
@@ -228,7 +227,7 @@ test("everything goes by the keyboard, and a link keeps it", async () => {
   await panel.getByLabel("Teeth", { exact: true }).focus();
   await page.keyboard.press("ArrowUp");
   await page.keyboard.press("Tab");
-  await settled(panel, "Flank and machine", "Reference radius", (await cli(`${START.replace("24", "25")} --json`.split(" "))).gear.reference_radius_mm);
+  await settled(panel, "Flank", "reference radius", (await cli(`${START.replace("24", "25")} --json`.split(" "))).gear.reference_radius_mm);
   await page.getByRole("button", { name: "Link" }).click();
   await page.waitForFunction(() => location.hash.startsWith("#open="));
   const hash = new URL(page.url()).hash;

@@ -35,12 +35,12 @@ async function opened() {
 }
 
 async function planned(panel, found) {
-  const shown = await numbers(panel.getByRole("table", { name: "Expected standard error" }));
+  const shown = await numbers(panel.getByRole("table", { name: "Expected uncertainty" }));
   assert.deepEqual(Object.keys(shown), found.terms.map(({ name }) => name));
   for (const { name, standard_error, largest_update, largest_total, unit } of found.terms) {
-    near(shown[name]["expected standard error"], standard_error, name);
+    near(shown[name]["± 95 %"], 1.959963984540054 * standard_error, name);
     near(shown[name]["at most at once"], largest_update, name);
-    near(shown[name]["in all"], largest_total, name);
+    near(shown[name]["at most in all"], largest_total, name);
     assert.equal(shown[name].unit, unit);
   }
 }

@@ -1,7 +1,6 @@
-//! JSON, summary and output files of the ball test.
+//! JSON of the ball test.
 
 use serde::Serialize;
-use std::fmt;
 use trueaxis_sim::ball_test::{BallCycle, Outcome, Stop, TipError};
 
 #[derive(Serialize)]
@@ -57,31 +56,4 @@ pub(crate) fn json<'o>(outcome: &'o Outcome, test: &'o BallCycle) -> Json<'o> {
         tip_error_um: BeforeAfter::new(outcome.before, outcome.after),
         axes: axes.collect(),
     }
-}
-
-/// The summary as plain text.
-pub(crate) fn summary(outcome: &Outcome, test: &BallCycle) -> impl fmt::Display {
-    let mut text = format!(
-        "machine  {} ({}), linear axes perfect\ngauge    {} µm a reading, seed {}\n\n\
-         true tip error, µm          before            after         left\n\
-         \x20                         max     rms      max     rms     rms\n",
-        test.machine.settings.name, test.machine.settings.chain, test.gauge_noise_um, test.seed
-    );
-    let mut line = |name: &str, before: TipError, after: TipError| {
-        text += &format!(
-            "  {name:<19} {:>8.3} {:>7.3} {:>8.3} {:>7.3} {:>6.1} %\n",
-            before.max,
-            before.rms,
-            after.max,
-            after.rms,
-            100.0 * after.rms / before.rms
-        );
-    };
-    for of in &outcome.axes {
-        line(&format!("{} over {} stops", of.axis.letter(), of.stops_deg.len()), of.before, of.after);
-    }
-    line("both", outcome.before, outcome.after);
-    let sigma: Vec<String> =
-        outcome.axes.iter().map(|of| format!("{} {:.3} µm", of.axis.letter(), 1e3 * of.found.sigma_mm)).collect();
-    text + &format!("\nsigma of a reading, from the residuals: {}\n", sigma.join(", "))
 }

@@ -65,5 +65,5 @@ pub(crate) fn rtcp(args: &RtcpArgs) -> Result<()> {
         return put(&trueaxis_evaluation::json::pretty(&text::json(&outcome, &test))?);
     }
     let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
-    put(&format!("{}{page}", text::summary(&outcome, &test)))
+    put(&format!("{}{page}", report::ball_test::shown(&test, &outcome).text()))
 }

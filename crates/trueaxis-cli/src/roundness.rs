@@ -86,9 +86,9 @@ pub(crate) fn run(arguments: &RoundnessArgs) -> Result<()> {
         (arguments.json || arguments.report.is_some()).then(|| plan.evaluate(&separations, &readings)).transpose()?;
     let mut outputs = Outputs::of([&arguments.readings]);
     if let (Some(directory), Some(evaluation)) = (&arguments.report, &evaluation) {
-        let source = arguments.readings.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::roundness::page(&source, evaluation, plan.gain(), arguments.noise_gain_limit);
-        report::write(&mut outputs, &page, directory, "roundness.html")?;
+        let figures = report::roundness::figures(evaluation, arguments.noise_gain_limit);
+        let shown = plan.shown(&evaluation.document);
+        report::stage(&mut outputs, (directory, "roundness.html"), &arguments.readings, &shown, figures)?;
     }
     if arguments.output.is_some() || !arguments.json {
         let writer = Writer::new(arguments.output.as_deref(), [arguments.readings.clone()])?;

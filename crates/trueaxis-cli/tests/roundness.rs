@@ -320,8 +320,8 @@ fn the_report_shows_circles_harmonics_and_orbits() {
     assert_eq!(directory.good(&[&arguments[..], &more].concat()), "");
     let page = directory.read("deep/er/roundness.html");
     let (text, _) = read_page(&page);
-    // One figure each for polar plot, amplitudes, noise gains, orbit, motion over θ, development.
-    assert_eq!(page.matches("<figure").count(), 6);
+    // One figure each for polar plot, amplitudes, noise gains, orbit, motion over θ; two for the development.
+    assert_eq!(page.matches("<figure").count(), 7);
     for part in
         ["LSC", "MZC", "MIC", "MCC", "Magnification 10000 : 1", "one division is", "Suppressed: ", "5 revolutions"]
     {

@@ -136,7 +136,8 @@ fn missing_rows_are_reported_with_their_line_and_duplicates_refused() {
     });
     assert_eq!(fit("gaps.csv"), serde_json::json!([first, second]));
     let table = folder.good(&["thermal", "fit", "gaps.csv", "--report", "out"]);
-    assert!(table.contains("line 122: 4 rows of cycle 1 are missing, 900 s where rows are 300 s apart\n"), "{table}");
+    let rows = table.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+    assert!(rows.into_iter().any(|row| row == ["122", "1", "4", "900", "300"]), "{table}");
     assert!(folder.read("out/thermal.html").contains("Missing rows"));
     // The beginning of a cycle has no expected time, and an uneven record has no expected interval.
     folder.write("late.csv", without(&[98, 99]));

@@ -1,23 +1,13 @@
 // The module's responses: the command line's documents, curves, the corrected machine.
 
 import type { Becomes } from "../core/becomes";
-import type { Shown } from "../core/shown-types";
-
-/** A term, with bounds if it may only change within them. */
-export interface Expected {
-  name: string;
-  standard_error: number;
-  unit: string;
-  largest_update?: number;
-  largest_total?: number;
-}
+import type { Shown, Table } from "../core/shown-types";
 
 export interface Foreseen {
   machine: string;
   program: string;
   touches: number;
   minutes: number;
-  terms: Expected[];
   rank?: number;
   condition?: number;
   warnings?: string[];
@@ -25,6 +15,7 @@ export interface Foreseen {
 
 export interface Planned {
   foreseen: Foreseen;
+  expected: Table;
   program: string;
   notes: string[];
 }

@@ -2,12 +2,13 @@
 
 import { IntoMachine } from "../core/becomes";
 import { message, type Desk } from "../core/desk";
-import { button, commandLine, debounce, el, notes, section, table, unique, type Cell } from "../core/dom";
+import { button, commandLine, debounce, el, notes, section, unique } from "../core/dom";
 import { onDrop, picker, save, text, type Given } from "../core/files";
 import type { Files } from "../core/machine";
-import { shown, significant } from "../core/number";
+import { significant } from "../core/number";
 import { word } from "../core/shell";
-import type { Expected, Planned } from "./documents";
+import { tabled } from "../core/shown";
+import type { Planned } from "./documents";
 
 export interface ViewState {
   name: string;
@@ -199,15 +200,10 @@ export abstract class Probing {
   private foresee(planned: Planned): void {
     this.planned = planned;
     this.refused.hidden = true;
-    const { machine, touches, minutes, terms, rank, condition, warnings } = planned.foreseen;
+    const { machine, touches, minutes, rank, condition, warnings } = planned.foreseen;
     const network = rank === undefined ? "." : ` without set-ups. Rank ${rank}, condition ${significant(condition ?? 0, 2)}.`;
     this.about.textContent = [`${machine}: ${touches} touches, about ${Math.ceil(minutes)} ${Math.ceil(minutes) === 1 ? "minute" : "minutes"}${network}`, ...planned.notes].join(" ");
-    const bounds = terms.some(({ largest_total }) => largest_total !== undefined);
-    const row = ({ name, standard_error, unit, largest_update, largest_total }: Expected): Cell[] => [name, shown(standard_error, 2), ...(bounds ? [shown(largest_update ?? 0, 2), shown(largest_total ?? 0, 2)] : []), unit];
-    this.expected.replaceChildren(
-      table("Expected standard error of every term", ["term", "expected standard error", ...(bounds ? ["at most at once", "in all"] : []), "unit"], terms.map(row)),
-      notes("Notes", warnings ?? []),
-    );
+    this.expected.replaceChildren(tabled(planned.expected), notes("Notes", warnings ?? []));
   }
 
   protected describe(): void {

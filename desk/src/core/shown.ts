@@ -19,7 +19,7 @@ export function tabled({ caption, header, rows, bars: column }: Table): HTMLElem
 
 /** Notes and tables of a result. */
 export function showTables(host: HTMLElement, shown: Shown): void {
-  host.replaceChildren(notes("Notes", shown.notes), ...shown.tables.map(tabled));
+  host.replaceChildren(notes("Notes", shown.notes, "warning"), ...shown.tables.map(tabled));
 }
 
 /** Plots of a result, one below the other. */

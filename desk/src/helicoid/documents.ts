@@ -1,5 +1,7 @@
 // The module's responses.
 
+import type { Table } from "../core/shown-types";
+
 export type AxisLetter = "X" | "Y" | "Z" | "A" | "C";
 export const AXES = ["X", "Y", "Z", "A", "C"] as const;
 export type Limits = Partial<Record<AxisLetter, [number, number] | null>>;
@@ -29,9 +31,9 @@ export interface Reach {
 
 export interface Outline {
   inputs: { pivot_mm: number };
-  surface: { base_radius_mm: number; lead_parameter_mm_per_rad: number; lead_mm: number; tilt_deg: number };
-  gear: Record<string, number> | null;
-  count: number;
+  surface: { base_radius_mm: number };
+  /** Values derived from the gear or the base circle. */
+  flank: Table;
   notes: string[];
   reach: [Reach, Reach];
   fit: Fit;

@@ -2,7 +2,7 @@
 
 import { el, table, type Cell } from "../core/dom";
 import { cell, fixed, significant } from "../core/number";
-import type { Limits, Outline, Reach, Tool } from "./documents";
+import type { Limits, Reach, Tool } from "./documents";
 
 const DECIMALS = 6;
 
@@ -42,29 +42,6 @@ export function place(tool: Tool): HTMLElement {
   return el("div", {},
     el("p", { class: "said" }, `Tip at [${list(tool.point_mm, 4)}] mm of the gear, radius ${fixed(tool.radius_mm, 4)} mm; outward normal [${list(tool.normal, 6)}].`),
     el("p", near ? { class: "warning", role: "status" } : { class: "said" }, near ? `${singular} Nearer than ${fixed(fade_deg, 0)}°: the correction of the tool's direction fades.` : singular));
-}
-
-const GEAR: readonly [string, string, string][] = [
-  ["transverse_module_mm", "Transverse module", "mm"],
-  ["transverse_pressure_angle_deg", "Transverse pressure angle", "degrees"],
-  ["reference_radius_mm", "Reference radius", "mm"],
-  ["base_helix_angle_deg", "Base helix angle", "degrees"],
-  ["reference_roll_angle_rad", "Size of u at the reference radius", "rad"],
-];
-
-/** Values derived from the gear or the base circle. */
-export function derived({ surface, gear, inputs, count }: Outline): HTMLElement {
-  const row = (name: string, unit: string, value: number): Cell[] => [`${name} / ${unit}`, cell(value, DECIMALS)];
-  const of_gear = gear ? GEAR.map(([key, name, unit]) => row(name, unit, gear[key]!)) : [];
-  return table("Flank and machine", ["", "Value"], [
-    ...of_gear,
-    row("Base radius", "mm", surface.base_radius_mm),
-    row("Lead parameter", "mm/rad", surface.lead_parameter_mm_per_rad),
-    row("Lead", "mm", surface.lead_mm),
-    row("Tilt of the normal", "degrees", surface.tilt_deg),
-    row("Pivot length", "mm", inputs.pivot_mm),
-    ["Points of the grid", { text: String(count), value: count }],
-  ]);
 }
 
 /** Travel over the grid on one branch. */

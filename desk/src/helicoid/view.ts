@@ -3,12 +3,13 @@
 import "./helicoid.css";
 import { message, type Desk, type View } from "../core/desk";
 import { choice, debounce, el, section, slider, type Field } from "../core/dom";
+import { tabled } from "../core/shown";
 import { Curves, type Line } from "./curves";
 import type { Limits, Outline, Tool } from "./documents";
 import { Flank } from "./flank";
 import { form } from "./form";
 import { Travel } from "./limits";
-import { derived, displacements, place, travel } from "./live";
+import { displacements, place, travel } from "./live";
 import { Picture } from "./picture";
 import { Program } from "./program";
 import { request, START, type Inputs, type Span } from "./request";
@@ -107,7 +108,7 @@ class Window {
     this.notes.textContent = outline.notes.join(" ");
     this.limits = this.travel.of(outline.fit);
     this.place();
-    this.data.replaceChildren(derived(outline));
+    this.data.replaceChildren(tabled(outline.flank));
     this.tables.replaceChildren(...outline.reach.map(travel));
     this.program.set();
     try {

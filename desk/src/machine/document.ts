@@ -1,5 +1,7 @@
 // The module's description of a machine: desk/wasm/src/shown.rs.
 
+import type { Shown as Described, Table as DescribedTable } from "../core/shown-types";
+
 export interface Column {
   name: string;
   /** 0 to 5 for EX to EC; null: the position. */
@@ -15,22 +17,6 @@ export interface Table {
   rows: number[][];
 }
 
-export interface OneWay {
-  accuracy: number;
-  systematic: number;
-  repeatability: number;
-}
-
-/** Figures after ISO 230-2. */
-export interface Accuracy {
-  axis: string;
-  unit: "um" | "urad";
-  runs: number;
-  up: OneWay | null;
-  down: OneWay | null;
-  both: (OneWay & { mean_range: number; reversal: number; mean_reversal: number }) | null;
-}
-
 export interface Axis {
   axis: string;
   unit: "mm" | "deg";
@@ -40,7 +26,6 @@ export interface Axis {
   interpolation: "linear" | "cubic";
   max_feed_per_min: number;
   table?: Table;
-  figures?: Accuracy;
   correction?: { rate: number; rate_limit: number; moving: string; acceleration: number | null; acceleration_limit: number };
 }
 
@@ -88,7 +73,9 @@ export interface Shown {
   reference_temperature_c: number;
   axes: Axis[];
   grids: Grid[];
-  measurements: { file: string; figures?: { measured: Accuracy; compensated?: Accuracy }; refused?: string }[];
+  measurements: { file: string; figures?: Described; refused?: string }[];
+  /** The tables' own figures after ISO 230-2. */
+  accuracy: DescribedTable;
 }
 
 /** A change in the format of `machine_change`. */

@@ -1,24 +1,10 @@
 // Figures of the machine: warnings, accuracy, limits, margins, the compiled file.
 
-import { el, numberField, section, table, type Cell } from "../core/dom";
+import { el, notes, numberField, section, table, type Cell } from "../core/dom";
 import { cell, fixed } from "../core/number";
-import { length, micro, type Accuracy, type Shown } from "./document";
+import { tabled } from "../core/shown";
+import { length, micro, type Shown } from "./document";
 import type { Editor } from "./editor";
-
-const FIGURES: [string, (of: Accuracy) => number | undefined, scatter: boolean][] = [
-  ["A, bidirectional accuracy", (of) => of.both?.accuracy, true],
-  ["A↑, positive approach", (of) => of.up?.accuracy, true],
-  ["A↓, negative approach", (of) => of.down?.accuracy, true],
-  ["E, bidirectional systematic error", (of) => of.both?.systematic, false],
-  ["E↑, positive approach", (of) => of.up?.systematic, false],
-  ["E↓, negative approach", (of) => of.down?.systematic, false],
-  ["R, bidirectional repeatability", (of) => of.both?.repeatability, true],
-  ["R↑, positive approach", (of) => of.up?.repeatability, true],
-  ["R↓, negative approach", (of) => of.down?.repeatability, true],
-  ["M, range of the mean deviation", (of) => of.both?.mean_range, false],
-  ["B, reversal error", (of) => of.both?.reversal, false],
-  ["B̄, mean reversal error", (of) => of.both?.mean_reversal, false],
-];
 
 /** The warnings, beside the settings that cause them. */
 export function warnings(editor: Editor): HTMLElement {
@@ -121,24 +107,11 @@ export function accuracy(editor: Editor): HTMLElement {
   return section("Accuracy after ISO 230-2:2014", place);
 }
 
-function iso(shown: Shown): HTMLElement[] {
-  const parts: HTMLElement[] = [];
-  for (const { file, figures, refused } of shown.measurements) {
-    if (!figures) {
-      parts.push(el("p", {}, refused ?? file));
-      continue;
-    }
-    const { measured, compensated } = figures;
-    const header = ["", "measured", ...(compensated ? ["with these tables"] : [])];
-    const rows = FIGURES.map(([name, of]): Cell[] => [name, cell(of(measured), 2), ...(compensated ? [cell(of(compensated), 2)] : [])]);
-    const runs = measured.runs < 5 ? "; ISO 230-2 asks for five runs" : "";
-    parts.push(table(`${file}: axis ${measured.axis}, ${measured.runs} ${measured.runs === 1 ? "run" : "runs"}, ${micro(measured.unit)}${runs}`, header, rows));
-  }
-  const own = shown.axes.filter((axis) => axis.figures);
-  if (own.length > 0) {
-    const header = ["", ...own.map((axis) => `${axis.axis} / ${micro(axis.micro)}`)];
-    const rows = FIGURES.filter(([, , scatter]) => !scatter).map(([name, of]): Cell[] => [name, ...own.map(({ figures }) => (figures ? cell(of(figures), 2) : "–"))]);
-    parts.push(table("The tables themselves, uncompensated, without scatter", header, rows));
-  }
-  return parts;
+function iso({ measurements, accuracy }: Shown): HTMLElement[] {
+  const parts = measurements.flatMap(({ file, figures, refused }) => {
+    if (!figures) return [el("p", {}, refused ?? file)];
+    const [first, ...others] = figures.tables;
+    return [tabled({ ...first!, caption: `${file}: ${figures.title}, ${figures.summary.join(", ")}` }), ...others.map(tabled), notes("Notes", figures.notes)];
+  });
+  return accuracy.header.length > 1 ? [...parts, tabled(accuracy)] : parts;
 }

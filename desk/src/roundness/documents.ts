@@ -1,5 +1,7 @@
 // The module's documents, as printed by the command line.
 
+import type { Shown } from "../core/shown-types";
+
 export interface Probes {
   n: number;
   harmonics?: [number, number];
@@ -26,42 +28,21 @@ export const CIRCLE_WORDS: Record<CircleName, string> = {
   mcc: "MCC, minimum circumscribed",
 };
 
-export type Zones = Record<`${CircleName}_um`, number>;
-
-export interface SpindleDirection {
-  synchronous_um: number;
-  asynchronous_um: number | null;
-  once_per_revolution_um: number;
-  once_per_revolution_phase_deg: number;
-  total_um: number;
-}
-
-export interface Roundness extends Zones {
+export interface Roundness {
   n: number;
   revolutions: number;
-  upr: number | null;
-  centres_um: Record<CircleName, [number, number]>;
-  per_revolution: (Zones & { revolution: number; x_from_mean_um: number; y_from_mean_um: number })[];
-  harmonics: { k: number; amplitude_um: number; phase_deg: number; noise_gain: number; suppressed: boolean }[];
-  spindle: { x: SpindleDirection; y: SpindleDirection };
+  harmonics: { k: number; amplitude_um: number; noise_gain: number; suppressed: boolean }[];
   warnings: string[];
 }
 
-export interface Circle {
-  centre_mm: [number, number];
-  radius_mm: number;
-  zone_um: number;
-  contacts: number[];
-}
-
-export interface Trace extends Record<CircleName, Circle | null> {
+export interface Trace {
   points: number;
-  refused?: Partial<Record<CircleName, string>>;
 }
 
-/** A document with the command line's notes. */
+/** A document with its tables and plots, and the command line's notes. */
 export interface Noted<D> {
   document: D;
+  shown: Shown;
   notes: string[];
 }
 

@@ -140,16 +140,16 @@ class Roundnesses {
   }
 
   private async show(said: string): Promise<void> {
-    const { document, notes } = JSON.parse(said) as Noted<Roundness>;
+    const { document, shown, notes } = JSON.parse(said) as Noted<Roundness>;
     this.say(`${document.revolutions} ${document.revolutions === 1 ? "revolution" : "revolutions"} of ${document.n} points`, notes, document.warnings);
     await this.polar.draw();
-    await this.results.show(document, this.settings.value.noise_gain_limit);
+    await this.results.show(document, shown, this.settings.value.noise_gain_limit);
   }
 
   private async showTrace(said: string): Promise<void> {
-    const { document, notes } = JSON.parse(said) as Noted<Trace>;
+    const { document, shown, notes } = JSON.parse(said) as Noted<Trace>;
     this.say(`${document.points} points of a trace`, notes, []);
-    this.results.showTrace(document);
+    this.results.showTrace(shown);
     await this.polar.draw();
   }
 

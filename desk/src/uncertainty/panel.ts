@@ -98,7 +98,7 @@ export class Position {
 
   private show(known: Known): void {
     this.results.hidden = false;
-    this.status.textContent = [`${this.desk.machine.name}: ${known.shown.summary.at(-1)} over ${known.shown.summary.at(-2)}.`, ...known.notes].join(" ");
+    this.status.textContent = [`${known.shown.summary.join(", ")}.`, ...known.notes].join(" ");
     this.draw(known);
     showTables(this.tables, known.shown);
   }

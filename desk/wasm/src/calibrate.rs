@@ -7,7 +7,7 @@ use anyhow::Result;
 use serde::Serialize;
 use std::path::Path;
 use trueaxis_evaluation::calibrate::{Foreseen, Planning, Residuals, Task, solved};
-use trueaxis_evaluation::shown::Shown;
+use trueaxis_evaluation::shown::{Shown, Table};
 use trueaxis_tables::Machine;
 use wasm_bindgen::prelude::*;
 
@@ -16,6 +16,8 @@ use wasm_bindgen::prelude::*;
 struct Planned {
     /// The document printed by `trueaxis calibrate plan --json`.
     foreseen: Foreseen,
+    /// The uncertainties expected.
+    expected: Table,
     /// The program.
     program: String,
     notes: Vec<String>,
@@ -41,7 +43,7 @@ fn plan(files: &str, name: &str, task: &str) -> Result<String> {
     let mut notes = Vec::new();
     let (task, machine) = read(files, name, task, &mut notes)?;
     let Planning { program, foreseen, .. } = Planning::new(&task, &machine)?;
-    json(&Planned { foreseen, program, notes })
+    json(&Planned { expected: foreseen.expected(), foreseen, program, notes })
 }
 
 /// Plans a task on the machine of these files, whichever machine the task names: `foreseen`, `program`, `notes`. Errors refer

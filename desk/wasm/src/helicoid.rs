@@ -10,6 +10,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use trueaxis_evaluation::helicoid::document::csv;
 use trueaxis_evaluation::helicoid::{self as evaluation, Fit, HelicoidDocument, Job, Limits, Passes, Reach, Request};
+use trueaxis_evaluation::shown::Table;
 use trueaxis_tables::formats::machine_files;
 use wasm_bindgen::prelude::*;
 
@@ -64,7 +65,8 @@ struct Outline {
     /// The document without its points.
     #[serde(flatten)]
     document: HelicoidDocument,
-    count: usize,
+    /// Values derived from the gear or the base circle.
+    flank: Table,
     notes: Vec<String>,
     reach: [Reach; 2],
     fit: Fit,
@@ -83,8 +85,9 @@ fn outline(request: &str, typed: &str, files: &str) -> Result<String> {
     let fit = evaluation::fit(&job, &machine(files, &mut Vec::new())?.settings);
     let limits = if typed.is_empty() { fit.travel.unwrap_or_default() } else { limits(typed)? };
     let reach = job.reach(&limits)?;
-    let (count, notes) = (job.u.count * job.theta.count, job.notes());
-    json(&Outline { document: HelicoidDocument::new(&job, Vec::new()), count, notes, reach, fit })
+    let notes = job.notes();
+    let document = HelicoidDocument::new(&job, Vec::new());
+    json(&Outline { flank: document.flank(), document, notes, reach, fit })
 }
 
 /// The tool at (u, θ), rad: both branches with their travel, independent check of the pose, distance from the singular pose.

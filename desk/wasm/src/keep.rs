@@ -16,6 +16,8 @@ use wasm_bindgen::prelude::*;
 struct Planned {
     /// The document printed by `trueaxis keep plan --json`.
     foreseen: Foreseen,
+    /// The uncertainties expected.
+    expected: Table,
     program: String,
     notes: Vec<String>,
 }
@@ -66,7 +68,7 @@ fn plan(files: &str, name: &str, task: &str) -> Result<String> {
     let mut notes = Vec::new();
     let state = state(files, name, task, "", &mut notes)?;
     let Planning { program, foreseen, .. } = Planning::new(&state.task, &state.machine)?;
-    json(&Planned { foreseen, program, notes })
+    json(&Planned { expected: foreseen.expected(), foreseen, program, notes })
 }
 
 /// Plans the re-probing of a task on the machine of these files, whichever machine the task names: `foreseen`, `program`,

@@ -211,8 +211,10 @@ mod tests {
         assert_eq!(shown["axes"][0]["table"]["rows"][0][1], 14.551);
         assert_eq!(shown["axes"][1]["backlash"], 2.2);
         assert_eq!(shown["measurements"][0]["file"], "x-iso230-2.csv");
-        let both = &shown["measurements"][0]["figures"]["measured"]["both"];
-        assert!(both["accuracy"].as_f64().unwrap() > both["systematic"].as_f64().unwrap());
+        let rows = &shown["measurements"][0]["figures"]["tables"][0]["rows"];
+        let of = |row: usize| rows[row][1]["value"].as_f64().unwrap();
+        assert!(rows[0][0].as_str().unwrap().starts_with("A,") && rows[3][0].as_str().unwrap().starts_with("E,"));
+        assert!(of(0) > of(3), "accuracy includes the systematic error");
         // At a tenth of the feed: a tenth of the rate, a hundredth of the acceleration.
         let slow = serde_json::to_value(super::shown(&sample("mill-3axis"), 10_000.0, 1200.0).unwrap()).unwrap();
         let fast = serde_json::to_value(super::shown(&sample("mill-3axis"), 10_000.0, 12_000.0).unwrap()).unwrap();

@@ -8,6 +8,7 @@ use serde::Serialize;
 use std::cell::RefCell;
 use std::path::Path;
 use trueaxis_evaluation::rows::Rows;
+use trueaxis_evaluation::shown::Shown;
 use trueaxis_evaluation::{circle, probe_angles, roundness};
 use trueaxis_sim::grinding;
 use wasm_bindgen::prelude::*;
@@ -26,10 +27,11 @@ thread_local! {
     static SEARCH: RefCell<Option<probe_angles::Search>> = const { RefCell::new(None) };
 }
 
-/// A document with the command line's notes.
+/// A document with its tables and plots, and the command line's notes.
 #[derive(Serialize)]
 struct Noted<D> {
     document: D,
+    shown: Shown,
     notes: Vec<String>,
 }
 
@@ -44,12 +46,12 @@ fn evaluate(name: &str, text: &str, request: &str) -> Result<String> {
     notes.extend(readings.note(plan.points()));
     let separations = plan.separate(&readings, || {})?;
     let evaluation = plan.evaluate(&separations, &readings)?;
-    let document = json(&Noted { document: &evaluation.document, notes });
+    let document = json(&Noted { shown: plan.shown(&evaluation.document), document: &evaluation.document, notes });
     EVALUATED.set(Evaluated::Readings(Box::new(evaluation)));
     document
 }
 
-/// Evaluates readings of three probes: the document of `trueaxis roundness --json` and its notes.
+/// Evaluates readings of three probes: the document of `trueaxis roundness --json`, its tables and plots, notes.
 #[wasm_bindgen]
 pub fn roundness_evaluate(name: &str, text: &str, request: &str) -> Result<String, Refusal> {
     to_js(evaluate(name, text, request))
@@ -61,12 +63,12 @@ fn trace(name: &str, text: &str) -> Result<String> {
     let mut rows = Rows::new(text.as_bytes(), Path::new(name), &circle::COLUMNS, |note| notes.push(note))?;
     let evaluation = circle::Evaluation::read(&mut rows)?;
     drop(rows);
-    let document = json(&Noted { document: evaluation.document(), notes });
+    let document = json(&Noted { document: evaluation.document(), shown: evaluation.shown(), notes });
     EVALUATED.set(Evaluated::Trace(Box::new(evaluation)));
     document
 }
 
-/// Reference circles of a trace: the document of `trueaxis circle --json` and its notes.
+/// Reference circles of a trace: the document of `trueaxis circle --json`, its table, notes.
 #[wasm_bindgen]
 pub fn roundness_trace(name: &str, text: &str) -> Result<String, Refusal> {
     to_js(trace(name, text))

@@ -8,7 +8,7 @@ use trueaxis::machine::{AxisSettings, Interpolation, Twist};
 use trueaxis::tcomp::Tcomp;
 use trueaxis_evaluation::accuracy;
 use trueaxis_evaluation::check::{CheckDocument, compiled, findings};
-use trueaxis_metrology::accuracy::Accuracy;
+use trueaxis_evaluation::shown::{self as description, Table};
 use trueaxis_tables::text::decode;
 use trueaxis_tables::{DriveRate, GridSource, Machine, TableText, rates, table_texts};
 
@@ -23,6 +23,8 @@ pub(crate) struct Shown {
     axes: Vec<AxisShown>,
     grids: Vec<GridShown>,
     measurements: Vec<Measured>,
+    /// The tables' own figures after ISO 230-2.
+    accuracy: Table,
 }
 
 /// An axis in the units of the files.
@@ -41,9 +43,6 @@ struct AxisShown {
     max_feed_per_min: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     table: Option<TableShown>,
-    /// The table's own figures after ISO 230-2.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    figures: Option<Accuracy>,
     #[serde(skip_serializing_if = "Option::is_none")]
     correction: Option<Correction>,
 }
@@ -90,7 +89,7 @@ struct Correction {
 struct Measured {
     file: String,
     #[serde(skip_serializing_if = "Option::is_none")]
-    figures: Option<accuracy::AccuracyDocument>,
+    figures: Option<description::Shown>,
     /// Reason why the figures are missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     refused: Option<String>,
@@ -111,7 +110,7 @@ pub(crate) fn shown(files: &str, rate_hz: f64, feed_per_min: f64) -> Result<Show
     let axis = |own: &AxisSettings| {
         let table = written.next_if(|table| table.axis == own.axis);
         let correction = rates.iter().find(|rate| rate.axis == own.axis);
-        axis_shown(&machine, own, table, correction)
+        axis_shown(own, table, correction)
     };
     Ok(Shown {
         notes,
@@ -119,6 +118,7 @@ pub(crate) fn shown(files: &str, rate_hz: f64, feed_per_min: f64) -> Result<Show
         grids: machine.grids.iter().map(|grid| grid_shown(grid.source())).collect(),
         check: findings(&machine, &tables, rate_hz).into(),
         reference_temperature_c: machine.settings.reference_temperature_c,
+        accuracy: accuracy::of_tables(&machine),
         measurements,
     })
 }
@@ -133,12 +133,7 @@ fn grid_shown(grid: &GridSource) -> GridShown {
     }
 }
 
-fn axis_shown(
-    machine: &Machine,
-    own: &AxisSettings,
-    table: Option<TableText>,
-    correction: Option<&DriveRate>,
-) -> AxisShown {
+fn axis_shown(own: &AxisSettings, table: Option<TableText>, correction: Option<&DriveRate>) -> AxisShown {
     let rotary = own.axis.is_rotary();
     let correction = correction.map(|of| Correction {
         rate: of.rate,
@@ -156,7 +151,6 @@ fn axis_shown(
         interpolation: if own.interpolation == Interpolation::Cubic { "cubic" } else { "linear" },
         max_feed_per_min: own.max_feed_per_s * 60.0,
         table: table.map(table_shown),
-        figures: accuracy::of_table(machine, own.axis),
         correction,
     }
 }
@@ -187,7 +181,7 @@ fn measurements(files: &str, machine: &Machine, tables: &[TableText]) -> Result<
                 accuracy::evaluate(&read, path, tables)
             });
         let (figures, refused) = match figures {
-            Ok(figures) => (Some(figures), None),
+            Ok(figures) => (Some(figures.shown()), None),
             Err(error) => (None, Some(format!("{error:#}"))),
         };
         measured.push(Measured { file, figures, refused });

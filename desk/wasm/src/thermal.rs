@@ -39,7 +39,6 @@ fn fit(files: &str, name: &str, text: &str, request: &str) -> Result<String> {
     let rows = Rows::new(text.as_bytes(), Path::new(name), &COLUMNS, |note| notes.push(note))?;
     let found = FittedRecording::of(Recording::read(rows, &request.without)?, &settings, &mut |_| {})?;
     let document = found.document();
-    notes.extend(document.missing.iter().map(|own| format!("{name}: {own}")));
     json(&Fitted { shown: document.shown(&found), toml: written(&found), notes })
 }
 

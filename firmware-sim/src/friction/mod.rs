@@ -100,7 +100,11 @@ pub(crate) fn friction(args: &FrictionArgs) -> Result<()> {
     bar.finish_and_clear();
 
     let outcome = Outcome::new(&circles, &settings, [&before, &after], &found)?;
-    if args.json { put(&trueaxis_evaluation::json::pretty(&outcome)?) } else { put(&text::text(&outcome)?) }
+    if args.json {
+        put(&trueaxis_evaluation::json::pretty(&outcome)?)
+    } else {
+        put(&text::shown(&outcome, &found).text())
+    }
 }
 
 fn circles(args: &FrictionArgs) -> Result<Circles> {

@@ -1,70 +1,35 @@
-//! Printed summary of the identified friction.
+//! Tables of the identified friction.
 
-use std::fmt::{self, Write};
-use trueaxis_report::number::significant;
-use trueaxis_sim::friction::{Figures, Outcome, Pair};
+use trueaxis_evaluation::friction::{Deviation, against, deviations};
+use trueaxis_evaluation::shown::Shown;
+use trueaxis_metrology::friction::Identified;
+use trueaxis_sim::friction::Outcome;
+use trueaxis_sim::run::Size;
 use trueaxis_tables::text::counted;
 
-fn rows<T: Copy>(figures: &Figures<T>) -> [T; 9] {
-    [
-        figures.coulomb_mm_per_s,
-        figures.presliding_um,
-        figures.stribeck_share,
-        figures.stribeck_velocity_mm_per_s,
-        figures.viscous,
-        figures.position_gain_per_s,
-        figures.velocity_gain_per_s,
-        figures.reset_time_s,
-        figures.velocity_feed_forward,
-    ]
-}
-
-/// Names of the rows of [`Figures`].
-const NAMES: [&str; 9] = [
-    "F_c/K_vp, mm/s",
-    "pre-sliding z, µm",
-    "Stribeck share s",
-    "v_s, mm/s",
-    "viscous d/K_vp",
-    "K_v, 1/s",
-    "K_vp, 1/s",
-    "τ, s",
-    "k_ff",
-];
-
-pub(super) fn text(outcome: &Outcome) -> Result<String, fmt::Error> {
-    let mut f = String::new();
+pub(super) fn shown(outcome: &Outcome, found: &[Identified]) -> Shown {
     let [fast, slow] = outcome.feeds_mm_per_min;
-    writeln!(
-        f,
-        "circles  R {} mm at {fast} and {slow} mm/min, {} each way, {} cycles at {} Hz",
-        outcome.radius_mm,
-        counted(outcome.turns as usize, "turn"),
-        outcome.cycles,
-        outcome.servo_rate_hz
-    )?;
-    for own in &outcome.axes {
-        writeln!(f, "\naxis {}, {} reversals", own.axis, own.reversals)?;
-        writeln!(f, "{:<22}{:>12}{:>14}{:>12}", "", "identified", "std. error", "true")?;
-        let rows = NAMES.iter().zip(rows(&own.identified)).zip(rows(&own.standard_errors)).zip(rows(&own.r#true));
-        for (k, (((name, value), error), truth)) in rows.enumerate() {
-            let held = if k >= 5 && !own.drive_found { "the machine's" } else { "held" };
-            let error = error.map_or_else(|| held.to_owned(), |error| significant(error, 2));
-            writeln!(f, "{name:<22}{:>12}{error:>14}{:>12}", significant(value, 4), significant(truth, 4))?;
-        }
-        let spikes = &own.glitch_um;
-        for (name, size) in [
-            ("before", &spikes.before),
-            ("predicted", &spikes.predicted),
-            ("expected after", &spikes.expected),
-            ("after", &spikes.after),
-        ] {
-            let [max, rms] = [size.max, size.rms].map(|um| significant(um, 3));
-            writeln!(f, "spikes {name:<15}{max:>12} µm largest, {rms} µm RMS")?;
-        }
+    let turns = counted(outcome.turns as usize, "turn");
+    let size = |name: String, of: Size| (name, Deviation { max: of.max, rms: of.rms });
+    let spikes = outcome.axes.iter().flat_map(|own| {
+        let (axis, of) = (own.axis, &own.glitch_um);
+        [("before", of.before), ("predicted", of.predicted), ("expected after", of.expected), ("after", of.after)]
+            .map(|(name, of)| size(format!("{axis} {name}"), of))
+    });
+    let error = &outcome.contour_error_um;
+    let error = [size("before".into(), error.before), size("after".into(), error.after)];
+    let truth: Vec<[f64; 9]> = outcome.axes.iter().map(|own| own.r#true.in_order()).collect();
+    Shown {
+        title: "Friction from simulated circles".into(),
+        summary: vec![
+            format!("R {} mm at {fast} and {slow} mm/min, {turns} each way", outcome.radius_mm),
+            format!("{} cycles at {} Hz", outcome.cycles, outcome.servo_rate_hz),
+        ],
+        tables: vec![
+            against(found, &truth),
+            deviations("Spikes at the reversals", "spikes", spikes),
+            deviations("Contour error of the tip, geometry included", "pass", error),
+        ],
+        ..Shown::default()
     }
-    let Pair { before, after } = &outcome.contour_error_um;
-    let [a, b, c, d] = [before.max, before.rms, after.max, after.rms].map(|um| significant(um, 3));
-    writeln!(f, "\ncontour error of the tip, geometry included: {a}/{b} µm largest/RMS before, {c}/{d} µm after")?;
-    Ok(f)
 }

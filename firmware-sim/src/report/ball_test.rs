@@ -7,9 +7,9 @@ use std::{
     io,
     path::{Path, PathBuf},
 };
-use trueaxis_evaluation::uncertainty::band_factor;
+use trueaxis_evaluation::shown::{Cell, Shown, Table, half_width};
 use trueaxis_report::{
-    BARS, Figure, Page, Row, Scale, Stroke, Table, colour, emphasised, error_bars,
+    BARS, Figure, Page, Scale, Stroke, colour, error_bars,
     number::{quantity, significant},
     residuals,
 };
@@ -26,26 +26,21 @@ pub fn write(test: &BallCycle, outcome: &Outcome, directory: &Path) -> io::Resul
 #[must_use]
 pub fn render(test: &BallCycle, outcome: &Outcome) -> String {
     let axes = &outcome.axes;
-    Page::new("Ball test of a five-axis head")
-        .top(summary(test, outcome))
+    let shown = shown(test, outcome);
+    Page::new(&shown.title)
+        .top(summary(&shown, outcome))
         .section("True tip error over the angle", html! { @for of in axes { (tip_error(of)) } })
         .section("Identified errors", html! { @for of in axes { (identified(test, of)) } })
         .section("Residuals", html! { @for of in axes { (residuals_of(of)) } })
         .document()
 }
 
-fn summary(test: &BallCycle, outcome: &Outcome) -> Markup {
-    let settings = &test.machine.settings;
-    let left = |before: TipError, after: TipError| format!("{} %", significant(100.0 * after.rms / before.rms, 2));
+fn summary(shown: &Shown, outcome: &Outcome) -> Markup {
+    let left = significant(100.0 * outcome.after.rms / outcome.before.rms, 2);
     html! {
-        (trueaxis_report::summary([
-            emphasised("machine", &settings.name),
-            emphasised("chain", &settings.chain),
-            html! { "gauge " (quantity(test.gauge_noise_um, "µm")) " a reading" },
-            html! { "seed " (test.seed) },
-        ]))
+        (trueaxis_report::summary(shown.summary.iter().map(|part| html! { (part) })))
         p.result {
-            "Of the tip error that the rotary axes cause, " strong { (left(outcome.before, outcome.after)) } " remains: "
+            "Of the tip error that the rotary axes cause, " strong { (left) " %" } " remains: "
             strong { (quantity(outcome.after.rms, "µm")) } " rms instead of "
             strong { (quantity(outcome.before.rms, "µm")) } "."
         }
@@ -54,18 +49,42 @@ fn summary(test: &BallCycle, outcome: &Outcome) -> Markup {
              tables were compiled and used by the volumetric correction; the true tip error is judged at every degree, \
              not only at the stops of the gauge."
         }
-        (table(outcome, left))
+        @for table in &shown.tables { (trueaxis_report::Table::from(table).caption(&table.caption)) }
     }
 }
 
-fn table(outcome: &Outcome, left: impl Fn(TipError, TipError) -> String) -> Table {
+/// Tables of the test: the true tip error, and the fit of both axes.
+#[must_use]
+pub fn shown(test: &BallCycle, outcome: &Outcome) -> Shown {
+    let settings = &test.machine.settings;
     let row = |name: String, before: TipError, after: TipError| {
-        let [a, b, c, d] = [before.max, before.rms, after.max, after.rms].map(|um| significant(um, 3));
-        Row::new(name, [a, b, c, d, left(before, after)])
+        let um = [before.max, before.rms, after.max, after.rms].map(|um| Cell::number(um, 3));
+        std::iter::once(name.into()).chain(um).chain([Cell::percent(after.rms / before.rms)]).collect()
     };
-    let axes = outcome.axes.iter().map(|of| row(format!("axis {}", of.axis.letter()), of.before, of.after));
-    let rows = axes.chain([row("both".into(), outcome.before, outcome.after)]);
-    Table::new(["", "before, max", "rms", "after, max", "rms", "left, rms"], rows).caption("True tip error in µm")
+    let axes = outcome
+        .axes
+        .iter()
+        .map(|of| row(format!("{} over {} stops", of.axis.letter(), of.stops_deg.len()), of.before, of.after));
+    let rows: Vec<Vec<Cell>> = axes.chain([row("both".into(), outcome.before, outcome.after)]).collect();
+    let fit = outcome.axes.iter().map(|of| {
+        let found = &of.found;
+        let sigma = Cell::number(1e3 * found.sigma_mm, 3);
+        vec![of.axis.letter().to_string().into(), sigma, Cell::count(found.degrees_of_freedom)]
+    });
+    Shown {
+        title: "Ball test of a five-axis head".into(),
+        summary: vec![
+            format!("{} ({})", settings.name, settings.chain),
+            format!("gauge {} a reading", quantity(test.gauge_noise_um, "µm")),
+            format!("seed {}", test.seed),
+        ],
+        notes: vec!["the linear axes are perfect".into()],
+        tables: vec![
+            Table::new("True tip error, µm", ["", "before, max", "rms", "after, max", "rms", "left, rms, %"], rows),
+            Table::new("Fit", ["axis", "sigma of a reading, µm", "degrees of freedom"], fit),
+        ],
+        ..Shown::default()
+    }
 }
 
 fn angle_scale(of: &AxisOutcome) -> Scale {
@@ -95,12 +114,12 @@ fn identified(test: &BallCycle, of: &AxisOutcome) -> Markup {
         quantity(1e3 * of.found.sigma_mm, "µm"),
         of.found.degrees_of_freedom
     );
-    let factor = band_factor(of.found.degrees_of_freedom as f64);
+    let freedom = of.found.degrees_of_freedom as f64;
     let figure = |first: usize, unit: &str, scale: f64| {
         let names = [0, 1, 2].map(|i| format!("E{}{letter}", ["X", "Y", "Z", "A", "B", "C"][first + i]));
         let curve = |i: usize| {
             let points = of.stops_deg.iter().zip(&of.found.angles).map(|(angle, found)| {
-                [*angle, scale * found.errors[first + i], scale * factor * found.standard_errors[first + i]]
+                [*angle, scale * found.errors[first + i], half_width(scale * found.standard_errors[first + i], freedom)]
             });
             (names[i].as_str(), points.collect())
         };

@@ -4,7 +4,6 @@ use super::{PlanArgs, read};
 use crate::output::{data, json, report_line};
 use anyhow::Result;
 use trueaxis_evaluation::calibrate::Planning;
-use trueaxis_report::number::significant;
 use trueaxis_tables::Machine;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
@@ -28,10 +27,7 @@ pub(super) fn run(arguments: &PlanArgs) -> Result<()> {
     if arguments.json {
         return json(&foreseen);
     }
-    report_line("expected standard errors:");
-    for term in &foreseen.terms {
-        report_line(format_args!("  {:<22} {} {}", term.name, significant(term.standard_error, 2), term.unit));
-    }
+    foreseen.expected().to_string().lines().for_each(report_line);
     for warning in &foreseen.warnings {
         report_line(format_args!("note: {warning}"));
     }

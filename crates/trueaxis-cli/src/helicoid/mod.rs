@@ -21,7 +21,6 @@ pub(crate) fn run(arguments: &HelicoidArgs) -> Result<()> {
     };
     let document = HelicoidDocument::new(&job, points);
     let table = csv(&document.points);
-    let page = arguments.report.as_ref().map(|file| (report::helicoid::page(&job, &document), file));
     for note in job.notes() {
         report_line(format_args!("note: {note}"));
     }
@@ -29,8 +28,9 @@ pub(crate) fn run(arguments: &HelicoidArgs) -> Result<()> {
     if let Some((text, file)) = &program {
         outputs.put(file, text.as_bytes())?;
     }
-    if let Some((page, file)) = &page {
-        report::write_to(&mut outputs, page, file, "helicoid.html")?;
+    if let Some(to) = &arguments.report {
+        let page = report::page("", &document.shown(), report::helicoid::figures(&job, &document));
+        report::write_to(&mut outputs, &page, to, "helicoid.html")?;
     }
     if let Some(file) = &arguments.output {
         outputs.put(file, table.as_bytes())?;

@@ -92,7 +92,7 @@ docs/calibration.md.";
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
-    /// Write the probing program, which runs without a pause, and print the expected standard error of every term.
+    /// Write the probing program, which runs without a pause, and print the expected uncertainty of every term.
     #[command(before_help = EXAMPLE)]
     Plan(PlanArgs),
     /// Evaluate the first probing, with which all later ones are compared; the machine is not changed.

@@ -5,7 +5,6 @@ use crate::model::note;
 use crate::output::{data, json, report_line};
 use anyhow::Result;
 use trueaxis_evaluation::keep::{Planning, State};
-use trueaxis_report::number::significant;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
 
@@ -27,12 +26,6 @@ pub(super) fn run(arguments: &PlanArgs) -> Result<()> {
     if arguments.json {
         return json(&foreseen);
     }
-    report_line("expected standard errors, and the largest updates at once and in all:");
-    for term in &foreseen.terms {
-        let shown = |value: f64| significant(value, 2);
-        let (error, update, total) =
-            (shown(term.standard_error), shown(term.largest_update), shown(term.largest_total));
-        report_line(format_args!("  {:<14} {error:>8} {}   {update}, {total}", term.name, term.unit));
-    }
+    foreseen.expected().to_string().lines().for_each(report_line);
     Ok(())
 }

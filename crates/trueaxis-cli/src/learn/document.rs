@@ -1,38 +1,38 @@
 //! The learned correction as printed.
 
 use serde::Serialize;
-use std::fmt::Write;
 use trueaxis_evaluation::learn::Record;
+use trueaxis_evaluation::shown::{Cell, Curve, Look, Plot, Shown, Table};
 use trueaxis_metrology::learning::{Law, Lesson};
 use trueaxis_tables::text::counted;
 
 /// Magnitudes of an error.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct Size {
-    pub(crate) max_um: f64,
-    pub(crate) rms_um: f64,
+pub(super) struct Size {
+    pub(super) max_um: f64,
+    pub(super) rms_um: f64,
 }
 
 /// The JSON document.
 #[derive(Serialize)]
-pub(crate) struct LearnDocument {
-    pub(crate) program_id: String,
-    pub(crate) machine_id: String,
-    pub(crate) length_mm: f64,
-    pub(crate) parts: u16,
-    pub(crate) nodes: usize,
-    pub(crate) spacing_mm: f64,
-    pub(crate) gain: f64,
-    pub(crate) forget: f64,
-    pub(crate) cutoff_mm: f64,
+pub(super) struct LearnDocument {
+    pub(super) program_id: String,
+    pub(super) machine_id: String,
+    pub(super) length_mm: f64,
+    pub(super) parts: u16,
+    pub(super) nodes: usize,
+    pub(super) spacing_mm: f64,
+    pub(super) gain: f64,
+    pub(super) forget: f64,
+    pub(super) cutoff_mm: f64,
     /// Contour error of the recorded part.
-    pub(crate) before: Size,
+    pub(super) before: Size,
     /// Contour error with the new correction, if a correction moves the tip by its full amount.
-    pub(crate) predicted: Size,
+    pub(super) predicted: Size,
     /// Largest component of the new correction.
-    pub(crate) correction_um: f64,
+    pub(super) correction_um: f64,
     /// Share of the path without a measured error.
-    pub(crate) unmeasured: f64,
+    pub(super) unmeasured: f64,
 }
 
 impl LearnDocument {
@@ -71,29 +71,49 @@ impl LearnDocument {
         }
     }
 
-    /// The document as a text table.
-    pub(super) fn table(&self) -> Result<String, std::fmt::Error> {
-        let mut text = format!(
-            "program {}, machine {}, {:.3} mm, {}\n\n",
-            self.program_id,
-            self.machine_id,
-            self.length_mm,
-            counted(self.parts.into(), "part")
-        );
-        writeln!(text, "contour error, µm  {:>10} {:>10}", "largest", "RMS")?;
-        for (name, size) in [("this part", self.before), ("predicted", self.predicted)] {
-            writeln!(text, "{name:<18} {:>10.4} {:>10.4}", size.max_um, size.rms_um)?;
+    /// Tables of the errors and the correction, and both over path length.
+    pub(super) fn shown(&self, lesson: &Lesson) -> Shown {
+        let parts = counted(self.parts.into(), "part");
+        let sizes = [("this part", self.before), ("predicted for the next", self.predicted)];
+        let sizes = sizes.map(|(name, of)| vec![name.into(), Cell::number(of.max_um, 4), Cell::number(of.rms_um, 4)]);
+        let figures = [
+            ("largest component, µm", Cell::number(self.correction_um, 4)),
+            ("nodes", Cell::count(self.nodes)),
+            ("distance of the nodes, mm", Cell::fixed(self.spacing_mm, 6)),
+            ("path not measured, %", Cell::percent(self.unmeasured)),
+        ];
+        Shown {
+            title: "Learned correction".into(),
+            summary: vec![
+                format!("program {}", self.program_id),
+                format!("machine {}", self.machine_id),
+                format!("{:.3} mm, {parts}", self.length_mm),
+                format!("gain {}, forgetting {}, cut-off {} mm", self.gain, self.forget, self.cutoff_mm),
+            ],
+            tables: vec![
+                Table::new("Contour error", ["", "largest, µm", "RMS, µm"], sizes),
+                Table::figures("Correction", figures),
+            ],
+            plots: vec![
+                self.over_length("Contour error of this part", "error", &lesson.errors_mm),
+                self.over_length("Correction for the next", "correction", &lesson.correction_mm),
+            ],
+            ..Shown::default()
         }
-        writeln!(text, "\ncorrection         at most {:.4} µm", self.correction_um)?;
-        let nodes = counted(self.nodes, "node");
-        writeln!(text, "nodes              {nodes}, {:.6} mm apart", self.spacing_mm)?;
-        writeln!(
-            text,
-            "law                gain {}, forgetting {}, cut-off {} mm",
-            self.gain, self.forget, self.cutoff_mm
-        )?;
-        writeln!(text, "not measured       {:.1} % of the path", 1e2 * self.unmeasured)?;
-        Ok(text)
+    }
+
+    fn over_length(&self, section: &'static str, quantity: &'static str, nodes: &[[f64; 3]]) -> Plot {
+        let curve = |(i, name)| Curve::new(name, i, nodes.iter().map(|node| 1e3 * node[i]).collect());
+        Plot {
+            section,
+            title: format!("{section}, over path length"),
+            x: ("path length".into(), "mm"),
+            y: (quantity, "µm"),
+            look: Look::Line,
+            caption: "",
+            at: (0..nodes.len()).map(|k| k as f64 * self.spacing_mm).collect(),
+            curves: ["X", "Y", "Z"].into_iter().enumerate().map(curve).collect(),
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! `trueaxis learn`.
 
-pub(crate) mod document;
+mod document;
 
 use crate::csv_in;
 use crate::output::{json, print};
@@ -90,15 +90,16 @@ pub(crate) fn run(arguments: &LearnArgs) -> Result<()> {
         .map_err(|refused| record.refused(&refused))?;
     let file = lesson.to_bytes().map_err(|refused| record.refused(&refused))?;
     let document = LearnDocument::new(&record, law, &lesson);
+    let shown = document.shown(&lesson);
     let mut outputs = Outputs::of([&arguments.record].into_iter().chain(&arguments.table));
     if let Some(to) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::learn::page(&source, &document, &lesson);
+        let page = report::page(&source, &shown, report::NO_FIGURES);
         report::write_to(&mut outputs, &page, to, "learn.html")?;
     }
     outputs.put(&arguments.output, &file)?;
     outputs.commit()?;
-    if arguments.json { json(&document) } else { print(&document.table()?) }
+    if arguments.json { json(&document) } else { print(&shown.text()) }
 }
 
 /// Parses a correction that must belong to the record's program and machine.

@@ -1,10 +1,8 @@
 //! Reports: one self-contained HTML page each, no network, no script. Figures are SVG inside the page.
 
-pub(crate) mod circle;
 pub(crate) mod friction;
 pub(crate) mod helicoid;
 pub(crate) mod identify;
-pub(crate) mod learn;
 pub(crate) mod roundness;
 mod shown;
 pub(crate) mod uncertainty;

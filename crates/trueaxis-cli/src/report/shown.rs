@@ -3,8 +3,8 @@
 use anyhow::Result;
 use maud::{Markup, html};
 use std::path::Path;
-use trueaxis_evaluation::shown::{Look, Plot, Shown, Table};
-use trueaxis_report::{Page, Row, side_by_side, summary};
+use trueaxis_evaluation::shown::{Look, Plot, Shown};
+use trueaxis_report::{Page, side_by_side, summary};
 use trueaxis_tables::output::Outputs;
 
 /// Stages the page of a result from the file `record`, with [`page`]'s figures.
@@ -22,18 +22,19 @@ pub(crate) fn stage<H: AsRef<str>>(
 /// No sections of the result's own.
 pub(crate) const NO_FIGURES: [(&str, Markup); 0] = [];
 
-/// The whole page. `source` is the name of the record; `figures` are sections of the result's own, after the plots.
+/// The whole page. `source` is the name of the record, "" for none; `figures` are sections of the result's own, after the plots.
 pub(crate) fn page<H: AsRef<str>>(
     source: &str,
     shown: &Shown,
     figures: impl IntoIterator<Item = (H, Markup)>,
 ) -> String {
-    let parts = std::iter::once(source).chain(shown.summary.iter().map(String::as_str));
+    let parts = std::iter::once(source).filter(|source| !source.is_empty());
+    let parts = parts.chain(shown.summary.iter().map(String::as_str));
     let mut page =
         Page::new(&shown.title).top(summary(parts.map(|part| html! { (part) }))).top(super::warnings(&shown.notes));
     let mut tables = shown.tables.iter().filter(|table| !table.rows.is_empty());
     if let Some(own) = tables.next() {
-        page = page.top(table(own).caption(&own.caption));
+        page = page.top(trueaxis_report::Table::from(own).caption(&own.caption));
     }
     for plots in shown.plots.chunk_by(|one, next| one.section == next.section) {
         page = page.section(plots[0].section, plotted(plots));
@@ -45,7 +46,7 @@ pub(crate) fn page<H: AsRef<str>>(
         page = page.section(heading.as_ref(), figure);
     }
     for own in tables {
-        page = page.section(&own.caption, table(own));
+        page = page.section(&own.caption, trueaxis_report::Table::from(own));
     }
     page.document()
 }
@@ -59,13 +60,4 @@ fn plotted(plots: &[Plot]) -> Markup {
     } else {
         html! { @for figure in figures { (figure) } }
     }
-}
-
-fn table(of: &Table) -> trueaxis_report::Table {
-    let rows = of.rows.iter().map(|row| {
-        let mut cells = row.iter().map(|cell| cell.text().to_owned());
-        Row::new(cells.next().unwrap_or_default(), cells)
-    });
-    let words: Vec<usize> = (1..of.header.len()).filter(|column| of.is_words(*column)).collect();
-    trueaxis_report::Table::new(of.header.iter().map(String::as_str), rows).words(&words)
 }

@@ -6,6 +6,7 @@ use super::program::program;
 use super::solve::Calibration;
 use super::source::Source;
 use super::task::Task;
+use crate::shown::{EXPANDED, Table, Uncertainty};
 use anyhow::Result;
 use serde::Serialize;
 use trueaxis::machine::AXES;
@@ -41,6 +42,16 @@ pub struct Foreseen {
     pub condition: f64,
     /// Conditions that may spoil the result, one sentence each.
     pub warnings: Vec<String>,
+}
+
+impl Foreseen {
+    /// The uncertainties expected.
+    pub fn expected(&self) -> Table {
+        let row = |of: &Expected| {
+            vec![of.name.as_str().into(), Uncertainty::foreseen(of.standard_error).cell(), of.unit.into()]
+        };
+        Table::new("Expected uncertainty of every term", ["term", EXPANDED, "unit"], self.terms.iter().map(row))
+    }
 }
 
 /// A planned task.

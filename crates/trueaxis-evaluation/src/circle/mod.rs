@@ -2,9 +2,11 @@
 
 mod plane;
 mod polar;
+mod shown;
 
 pub use plane::Plane;
-pub use polar::{Shown, polar};
+pub use polar::{Drawn, polar};
+pub(crate) use shown::NAMES;
 
 use crate::record::{self, Channel};
 use crate::rows::{Column, Rows};

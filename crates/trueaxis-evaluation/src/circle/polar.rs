@@ -9,11 +9,11 @@ use trueaxis_report::{CIRCLES, Circle, Figure};
 const FINE: usize = 360;
 
 /// Which circles a polar plot shows: LSC, MZC, MCC, MIC, the order of [`CIRCLES`].
-pub type Shown = [bool; 4];
+pub type Drawn = [bool; 4];
 
-/// Polar plot of the departures from the least-squares circle, with the circles selected by `shown`; `None` without any
+/// Polar plot of the departures from the least-squares circle, with the circles selected by `drawn`; `None` without any
 /// circle.
-pub fn polar(evaluation: &Evaluation, shown: Shown) -> Option<Figure> {
+pub fn polar(evaluation: &Evaluation, drawn: Drawn) -> Option<Figure> {
     let circles = evaluation.circles.each_ref().map(|circle| circle.as_ref().ok());
     // Departures are from the least-squares circle, or from the next one if it does not exist.
     let base = circles.into_iter().flatten().next()?;
@@ -23,8 +23,8 @@ pub fn polar(evaluation: &Evaluation, shown: Shown) -> Option<Figure> {
     };
     let mut measured: Vec<[f64; 2]> = evaluation.points.iter().map(departure).collect();
     trueaxis_metrology::order::sort_by_number(&mut measured, |one| one[0]);
-    let circles: Vec<Circle> = (CIRCLES.into_iter().zip(circles).zip(shown).enumerate())
-        .filter(|(_, (_, shown))| *shown)
+    let circles: Vec<Circle> = (CIRCLES.into_iter().zip(circles).zip(drawn).enumerate())
+        .filter(|(_, (_, drawn))| *drawn)
         .filter_map(|(i, (((name, colour), circle), _))| circle.map(|circle| (i, name, colour, circle)))
         .map(|(i, name, colour, circle)| {
             let radii = if i == 1 { vec![circle.inner, circle.outer] } else { vec![circle.radius] };

@@ -29,7 +29,12 @@ impl DiagonalDocument {
         let mut fit = vec![("condition number", Cell::number(self.condition, 3))];
         if let Some(steps) = &self.steps {
             let names = ["scale X", "scale Y", "scale Z"];
-            terms.extend(steps.scales_ppm.into_iter().flatten().zip(names).map(|(of, name)| known(name, "ppm", of)));
+            terms.extend(names.into_iter().enumerate().map(|(k, name)| match steps.scales_ppm {
+                Some(scales) => known(name, "ppm", scales[k]),
+                None => {
+                    Quantity::new(name, "ppm", None, Uncertainty::Unknown).noted("not known without --alignment-urad")
+                }
+            }));
             terms.extend(steps.scales_if_aligned_ppm.into_iter().zip(names).map(|(value, name)| {
                 Quantity::new(format!("{name}, mirror square"), "ppm", value, Uncertainty::Unknown)
             }));

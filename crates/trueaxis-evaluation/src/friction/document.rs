@@ -154,7 +154,7 @@ pub(super) fn degrees_of_freedom(found: &Identified) -> f64 {
     found.reversals.saturating_sub(found.fitted).max(1) as f64
 }
 
-fn axis(found: &Identified) -> AxisFound {
+pub(super) fn axis(found: &Identified) -> AxisFound {
     let drive = &found.drive;
     let errors = found.drive_errors.map(|errors| errors.map(Some)).unwrap_or_default();
     let [position_gain_per_s, velocity_gain_per_s, reset_time_s, velocity_feed_forward] = errors;

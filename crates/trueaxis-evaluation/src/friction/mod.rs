@@ -17,7 +17,7 @@ pub use curves::{CircleCurves, SpikeCurves, Trace, circles, spikes};
 pub use document::{AxisFound, Deviation, Drive, Errors, Friction, FrictionDocument, Glitch};
 pub use recording::{Recording, columns};
 pub use settings::{additions, sections};
-pub use shown::{FIGURES, deviations};
+pub use shown::{against, deviations};
 
 use anyhow::{Result, anyhow};
 use trueaxis::Axis;

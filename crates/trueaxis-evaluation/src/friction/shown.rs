@@ -1,11 +1,13 @@
 //! Tables of the friction found.
 
+use super::document::axis;
 use super::{AxisFound, Deviation, FrictionDocument};
 use crate::shown::{Cell, EXPANDED, Quantity, Shown, Table, Uncertainty};
+use trueaxis_metrology::friction::Identified;
 use trueaxis_report::number::significant;
 
 /// Figures of an axis: quantity, symbol, unit. First those of friction, then those of its drive.
-pub const FIGURES: [(&str, &str, &str); 9] = [
+const FIGURES: [(&str, &str, &str); 9] = [
     ("Coulomb friction", "F_c/K_vp", "mm/s"),
     ("pre-sliding", "z", "µm"),
     ("Stribeck share", "s", ""),
@@ -48,19 +50,33 @@ pub fn deviations(caption: &str, name: &str, rows: impl IntoIterator<Item = (Str
     Table::new(caption, [name, "largest, µm", "RMS, µm"], rows)
 }
 
+/// The figures of all axes side by side, with those of simulated drives if there are any.
+fn figures<'f>(caption: &str, axes: impl IntoIterator<Item = (&'f AxisFound, Option<[f64; FIGURES.len()]>)>) -> Table {
+    let mut header = vec!["figure".to_owned()];
+    let mut rows: Vec<Vec<Cell>> = FIGURES.map(|_| Vec::new()).into();
+    for (own, truth) in axes {
+        header.extend([own.axis.clone(), format!("{EXPANDED}, {}", own.axis)]);
+        header.extend(truth.map(|_| format!("{}, true", own.axis)));
+        for (k, (row, of)) in rows.iter_mut().zip(quantities(own)).enumerate() {
+            if row.is_empty() {
+                row.push(of.label().into());
+            }
+            row.extend(of.cells());
+            row.extend(truth.map(|truth| Cell::number(truth[k], 4)));
+        }
+    }
+    Table::new(caption, header, rows)
+}
+
+/// The figures found beside the true ones of simulated drives, of friction first, then of the drive.
+pub fn against(found: &[Identified], truth: &[[f64; FIGURES.len()]]) -> Table {
+    let found: Vec<AxisFound> = found.iter().map(axis).collect();
+    figures("Found against the simulated drives", found.iter().zip(truth.iter().copied().map(Some)))
+}
+
 impl FrictionDocument {
     /// Tables of the document: the figures of all axes side by side, spikes, fit.
     pub fn shown(&self) -> Shown {
-        let mut figures: Vec<Vec<Cell>> = FIGURES.map(|_| Vec::new()).into();
-        for own in &self.axes {
-            for (row, of) in figures.iter_mut().zip(quantities(own)) {
-                if row.is_empty() {
-                    row.push(of.label().into());
-                }
-                row.extend(of.cells());
-            }
-        }
-        let names = self.axes.iter().flat_map(|own| [own.axis.clone(), format!("{EXPANDED}, {}", own.axis)]);
         let spikes = self.axes.iter().flat_map(|AxisFound { axis, glitch_um: g, .. }| {
             [
                 (format!("{axis} before, recorded"), g.before),
@@ -84,7 +100,7 @@ impl FrictionDocument {
             summary: vec![format!("{} samples at {} Hz", self.samples, significant(1.0 / self.period_s, 4))],
             notes: self.warnings.clone(),
             tables: vec![
-                Table::new("Figures found", std::iter::once("figure".to_owned()).chain(names), figures),
+                figures("Figures found", self.axes.iter().map(|own| (own, None))),
                 deviations("Spikes at the reversals", "spikes", spikes),
                 Table::new("Fit", head, fit),
             ],

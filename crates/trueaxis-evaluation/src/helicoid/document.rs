@@ -59,44 +59,44 @@ pub struct HelicoidDocument {
 /// The request, defaults included; omitted values are null.
 #[derive(Clone, Debug, Serialize)]
 pub struct Inputs {
-    form: &'static str,
-    flank: &'static str,
-    branch: u8,
-    pivot_mm: f64,
-    edge_finder_mm: Option<f64>,
-    edge_finder_radius_mm: Option<f64>,
-    direction_a: i8,
-    direction_c: i8,
-    work_offset_mm: [f64; 3],
-    u_rad: Range,
-    theta_rad: Range,
-    module_mm: Option<f64>,
-    teeth: Option<u32>,
-    pressure_angle_deg: Option<f64>,
-    helix_angle_deg: Option<f64>,
+    pub(super) form: &'static str,
+    pub(super) flank: &'static str,
+    pub(super) branch: u8,
+    pub(super) pivot_mm: f64,
+    pub(super) edge_finder_mm: Option<f64>,
+    pub(super) edge_finder_radius_mm: Option<f64>,
+    pub(super) direction_a: i8,
+    pub(super) direction_c: i8,
+    pub(super) work_offset_mm: [f64; 3],
+    pub(super) u_rad: Range,
+    pub(super) theta_rad: Range,
+    pub(super) module_mm: Option<f64>,
+    pub(super) teeth: Option<u32>,
+    pub(super) pressure_angle_deg: Option<f64>,
+    pub(super) helix_angle_deg: Option<f64>,
 }
 
 /// The flank by its base cylinder and lead.
 #[derive(Clone, Debug, Serialize)]
 pub struct Surface {
-    base_radius_mm: f64,
-    lead_parameter_mm_per_rad: f64,
-    lead_mm: f64,
+    pub(super) base_radius_mm: f64,
+    pub(super) lead_parameter_mm_per_rad: f64,
+    pub(super) lead_mm: f64,
     /// Angle γ between the normal and the gear's axis.
-    tilt_deg: f64,
+    pub(super) tilt_deg: f64,
 }
 
 /// Values derived from a gear's data.
 #[derive(Clone, Debug, Serialize)]
 pub struct DerivedGear {
-    transverse_module_mm: f64,
-    transverse_pressure_angle_deg: f64,
-    reference_radius_mm: f64,
-    base_radius_mm: f64,
-    lead_parameter_mm_per_rad: f64,
-    lead_mm: f64,
-    base_helix_angle_deg: f64,
-    reference_roll_angle_rad: f64,
+    pub(super) transverse_module_mm: f64,
+    pub(super) transverse_pressure_angle_deg: f64,
+    pub(super) reference_radius_mm: f64,
+    pub(super) base_radius_mm: f64,
+    pub(super) lead_parameter_mm_per_rad: f64,
+    pub(super) lead_mm: f64,
+    pub(super) base_helix_angle_deg: f64,
+    pub(super) reference_roll_angle_rad: f64,
 }
 
 impl From<&GearData> for DerivedGear {

@@ -3,6 +3,7 @@
 use super::reprobing::{foreseen, plan};
 use super::task::KeepTask;
 use crate::calibrate::{Plan, program};
+use crate::shown::{Cell, EXPANDED, Table, Uncertainty};
 use anyhow::Result;
 use serde::Serialize;
 use trueaxis_tables::Machine;
@@ -39,6 +40,24 @@ pub struct Foreseen {
     pub every_parts: u32,
     /// Every term.
     pub terms: Vec<Expected>,
+}
+
+impl Foreseen {
+    /// The uncertainties expected, and the bounds.
+    pub fn expected(&self) -> Table {
+        let rows = self.terms.iter().map(|of| {
+            let [update, total] = [of.largest_update, of.largest_total].map(|bound| Cell::number(bound, 2));
+            vec![
+                of.name.as_str().into(),
+                Uncertainty::foreseen(of.standard_error).cell(),
+                update,
+                total,
+                of.unit.into(),
+            ]
+        });
+        let header = ["term", EXPANDED, "at most at once", "at most in all", "unit"];
+        Table::new("Expected uncertainty of every term", header, rows)
+    }
 }
 
 /// A planned probing.

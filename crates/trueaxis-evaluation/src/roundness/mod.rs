@@ -4,6 +4,7 @@ mod agreement;
 mod document;
 mod orbit;
 mod polar;
+mod shown;
 mod trace;
 
 pub use document::{

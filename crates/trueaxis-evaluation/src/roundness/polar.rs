@@ -1,7 +1,7 @@
 //! Polar plot of the profile with its reference circles.
 
 use super::Evaluation;
-use crate::circle::Shown;
+use crate::circle::Drawn;
 use std::f64::consts::TAU;
 use trueaxis_report::{CIRCLES, Circle, Figure};
 use trueaxis_tables::text::counted;
@@ -10,7 +10,7 @@ use trueaxis_tables::text::counted;
 const FINE: usize = 360;
 
 /// Polar plot of the mean profile with the requested circles, as limaçons.
-pub fn polar(evaluation: &Evaluation, shown: Shown) -> Figure {
+pub fn polar(evaluation: &Evaluation, drawn: Drawn) -> Figure {
     let (profile, circles) = (&evaluation.profile, &evaluation.circles);
     let base = circles.lsc.radius;
     let turn = |i: usize, count: usize| TAU * i as f64 / count as f64;
@@ -22,7 +22,7 @@ pub fn polar(evaluation: &Evaluation, shown: Shown) -> Figure {
         (&circles.mcc, vec![0.0]),
         (&circles.mic, vec![0.0]),
     ];
-    let kept = CIRCLES.into_iter().zip(found).zip(shown).filter(|(_, shown)| *shown);
+    let kept = CIRCLES.into_iter().zip(found).zip(drawn).filter(|(_, drawn)| *drawn);
     let drawn = kept.map(|(((name, colour), (circle, offsets)), _)| {
         let limacon = |offset: f64| {
             let departure = |i| {

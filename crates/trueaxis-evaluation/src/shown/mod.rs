@@ -103,6 +103,18 @@ impl Table {
     }
 }
 
+/// The table of a page, without its caption.
+impl From<&Table> for trueaxis_report::Table {
+    fn from(of: &Table) -> Self {
+        let rows = of.rows.iter().map(|row| {
+            let mut cells = row.iter().map(|cell| cell.text().to_owned());
+            trueaxis_report::Row::new(cells.next().unwrap_or_default(), cells)
+        });
+        let words: Vec<usize> = (1..of.header.len()).filter(|column| of.is_words(*column)).collect();
+        trueaxis_report::Table::new(of.header.iter().map(String::as_str), rows).words(&words)
+    }
+}
+
 impl Cell {
     /// A number with `digits` significant digits; a dash for `None` or a number that is not finite.
     pub fn number(value: impl Into<Option<f64>>, digits: i32) -> Cell {

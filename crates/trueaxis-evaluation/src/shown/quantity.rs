@@ -34,6 +34,11 @@ impl Uncertainty {
         Uncertainty::expanded(half_width(standard_error, degrees_of_freedom))
     }
 
+    /// Expands a standard error that follows from a stated repeatability, whose degrees of freedom count as infinite.
+    pub fn foreseen(standard_error: f64) -> Uncertainty {
+        Uncertainty::of(standard_error, f64::INFINITY)
+    }
+
     /// An expanded uncertainty; [`Unknown`](Uncertainty::Unknown) unless it is finite.
     pub fn expanded(half_width: impl Into<Option<f64>>) -> Uncertainty {
         let known = half_width.into().filter(|half_width| half_width.is_finite());

@@ -3,7 +3,7 @@
 use super::{CurveDocument, FittedRecording, ThermalDocument, worst};
 use crate::shown::{Cell, Curve, Look, Plot, Quantity, Shown, Table, Uncertainty};
 use trueaxis::Axis;
-use trueaxis_report::number::significant;
+use trueaxis_report::number::{percent, significant};
 
 /// Standard errors come from thousands of rows: their degrees of freedom count as infinite.
 pub(super) const DEGREES_OF_FREEDOM: f64 = f64::INFINITY;
@@ -47,27 +47,30 @@ impl ThermalDocument {
             Table::quantities("Curves", curves),
             Table::new("Fit", ["", "left, RMS, µm", "condition number"], fits),
         ];
-        let mut put = |caption: &str, head: [&str; 2], rows: Vec<Vec<Cell>>| {
-            if !rows.is_empty() {
-                tables.push(Table::new(caption, head, rows));
-            }
-        };
         let left_out = self.left_out.iter().map(|out| vec![out.name.as_str().into(), out.reason.into()]);
-        put("Left out", ["sensor", "why"], left_out.collect());
+        tables.push(Table::new("Left out", ["sensor", "why"], left_out));
         let unconfirmed = self.unconfirmed.iter().map(|own| {
             let why = format!("run in cycle {} only, so that no other cycle predicts it", own.cycle);
             vec![format!("{} rpm", own.rpm).into(), why.into()]
         });
-        put("Unconfirmed", ["speed", "why"], unconfirmed.collect());
-        let missing = self.missing.iter().map(|own| vec![format!("line {}", own.line).into(), own.to_string().into()]);
-        put("Missing rows", ["from", "missing"], missing.collect());
+        tables.push(Table::new("Unconfirmed", ["speed", "why"], unconfirmed));
+        let missing = self.missing.iter().map(|own| {
+            let times = [own.found_s, own.interval_s].map(|s| Cell::fixed(s, 0));
+            [own.line as usize, own.cycle as usize, own.rows].map(Cell::count).into_iter().chain(times).collect()
+        });
+        let head = ["before line", "cycle", "rows", "without a row, s", "interval elsewhere, s"];
+        tables.push(Table::new("Missing rows", head, missing));
+        tables.retain(|table| !table.rows.is_empty());
         let [drift, left] = self.held_out_um.map(|um| significant(um, 3));
+        let share = percent(self.held_out_um[1], self.held_out_um[0]);
         Shown {
             title: "Thermal growth".into(),
             summary: vec![
                 format!("{} rows", self.rows),
                 format!("zero at {} °C", self.reference_c),
-                format!("{left} µm left of a largest drift of {drift} µm in cycles that took no part in the fit"),
+                format!(
+                    "{left} µm ({share}) left of a largest drift of {drift} µm in cycles that took no part in the fit"
+                ),
             ],
             tables,
             plots: found.recording.record.axes.iter().filter_map(|axis| held_out(found, *axis)).collect(),

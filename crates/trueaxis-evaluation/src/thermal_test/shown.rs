@@ -3,6 +3,7 @@
 use super::{Test, ThermalTestDocument, document::NAMES};
 use crate::shown::{Cell, Curve, Look, Plot, Shown, Table, unit};
 use trueaxis_report::number::significant;
+use trueaxis_tables::text::counted;
 
 impl ThermalTestDocument {
     /// Tables and plots of the document's test.
@@ -29,9 +30,14 @@ impl ThermalTestDocument {
             tables.push(Table::new("Temperatures", head, temperatures));
         }
         let [duration, period] = [self.duration_min, self.period_min].map(|minutes| significant(minutes, 4));
+        let readings = self.positions.iter().map(|place| {
+            let readings = counted(place.readings, "reading");
+            if several { format!("{readings} at position {}", place.position) } else { readings }
+        });
+        let summary = [format!("{} test", self.test), format!("{duration} min, period {period} min")];
         Shown {
             title: "Thermal test".into(),
-            summary: vec![format!("{} test", self.test), format!("{duration} min, period {period} min")],
+            summary: summary.into_iter().chain(readings).collect(),
             notes: self.notes.clone(),
             tables,
             plots: distortions(test).chain(temperatures_of(test)).collect(),

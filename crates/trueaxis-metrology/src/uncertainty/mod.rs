@@ -21,4 +21,4 @@ pub use coverage::{Interval, half_width, quantile};
 pub use decision::{Verdict, verdict};
 pub use draws::Draws;
 pub use factor::{chi_squared_quantile, student_factor};
-pub use positioning::{Band, Instrument, Positioning, positioning};
+pub use positioning::{Band, FIGURES, Instrument, Positioning, Take, positioning};

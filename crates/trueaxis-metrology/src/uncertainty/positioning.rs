@@ -75,9 +75,10 @@ impl Positioning {
 }
 
 /// Reads a figure if the measurement has it.
-type Take = fn(&Accuracy) -> Option<f64>;
+pub type Take = fn(&Accuracy) -> Option<f64>;
 
-const FIGURES: [(&str, Take); 12] = [
+/// The figures of ISO 230-2 by their symbols, as in [`Band::figure`].
+pub const FIGURES: [(&str, Take); 12] = [
     ("A", |a| Some(a.both?.accuracy)),
     ("A_up", |a| Some(a.up?.accuracy)),
     ("A_down", |a| Some(a.down?.accuracy)),

@@ -139,6 +139,24 @@ impl Outcome {
     }
 }
 
+impl Figures<f64> {
+    /// In the order of the fields.
+    #[must_use]
+    pub fn in_order(&self) -> [f64; 9] {
+        [
+            self.coulomb_mm_per_s,
+            self.presliding_um,
+            self.stribeck_share,
+            self.stribeck_velocity_mm_per_s,
+            self.viscous,
+            self.position_gain_per_s,
+            self.velocity_gain_per_s,
+            self.reset_time_s,
+            self.velocity_feed_forward,
+        ]
+    }
+}
+
 fn identified(found: &Identified) -> Figures<f64> {
     let (friction, drive) = (&found.friction, &found.drive);
     Figures {

@@ -227,7 +227,7 @@ impl Bench {
             return Err(anyhow!("found no simulation with the figures, needed one without them and one with them"));
         };
         let shown = match self.is_simulated {
-            true => Some(shown(&Outcome::new(own_circles, settings, [before, after], found)?)),
+            true => Some(shown(&Outcome::new(own_circles, settings, [before, after], found)?, found)),
             false => None,
         };
         let curves = |pass: &Pass| -> Result<Curves> {

@@ -1,8 +1,7 @@
 //! Displacements over one parameter, with one curve for each of several values of the other.
 
-use super::tables::AXES;
 use maud::Markup;
-use trueaxis_evaluation::helicoid::{HelicoidDocument, Job, Point};
+use trueaxis_evaluation::helicoid::{DISPLACEMENTS, HelicoidDocument, Job, Point};
 use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, number::shortest, side_by_side};
 
 /// One colour per curve.
@@ -51,7 +50,7 @@ fn curves<'d>(job: &Job, document: &'d HelicoidDocument) -> Curves<'d> {
 pub(super) fn figures(job: &Job, document: &HelicoidDocument) -> Markup {
     let Curves { caption, curves, along } = curves(job, document);
     let all = || curves.iter().flat_map(|(_, points)| points.iter().copied());
-    side_by_side(AXES.map(|(name, unit, of)| {
+    side_by_side(DISPLACEMENTS.map(|(name, unit, of)| {
         let x = Scale::linear(caption, all().map(along));
         let y = Scale::linear(&format!("{name} in {unit}"), all().map(of)).margin(0.04);
         let mut figure = Figure::half(&format!("Displacement of {name} over {caption}"), 300, x, y);

@@ -1,10 +1,8 @@
-//! Error motion of the spindle: orbit, motion over the angle, and development over the revolutions.
+//! Error motion of the spindle: orbit, and motion over the angle.
 
-use maud::{Markup, Render};
-use trueaxis_evaluation::roundness::{
-    DRAWN_REVOLUTIONS, Evaluation, Revolution, RoundnessDocument, motion_scale, orbit,
-};
-use trueaxis_report::{Figure, Scale, Stroke, colour, missing, side_by_side};
+use maud::Markup;
+use trueaxis_evaluation::roundness::{DRAWN_REVOLUTIONS, Evaluation, motion_scale, orbit};
+use trueaxis_report::{Figure, Scale, Stroke, colour, side_by_side};
 
 pub(super) fn figures(evaluation: &Evaluation) -> Markup {
     let skipped = evaluation.document.revolutions.saturating_sub(DRAWN_REVOLUTIONS);
@@ -32,28 +30,4 @@ fn over_theta(evaluation: &Evaluation, skipped: usize) -> Figure {
     }
     figure.caption("The same over the angle: mean contours bold over the single revolutions.");
     figure
-}
-
-pub(super) fn development(found: &RoundnessDocument) -> Markup {
-    if found.revolutions < 2 {
-        return missing("A single revolution has no development and no asynchronous error motion.");
-    }
-    let series = |pick: fn(&Revolution) -> f64| -> Vec<[f64; 2]> {
-        found.per_revolution.iter().map(|of| [of.revolution as f64, pick(of)]).collect()
-    };
-    let [blue, orange, _] = colour::AXES;
-    let curves = [
-        ("roundness, MZC zone", colour::MEASURED, series(|of| of.zones.mzc_um)),
-        ("X: largest distance from the mean contour", blue, series(|of| of.x_from_mean_um)),
-        ("Y: largest distance from the mean contour", orange, series(|of| of.y_from_mean_um)),
-    ];
-    let values = curves.iter().flat_map(|(.., points)| points.iter().map(|point| point[1]));
-    let y = Scale::from_zero("µm", values);
-    let x = Scale::exact("revolution", 0.5, found.revolutions as f64 + 0.5);
-    let mut figure = Figure::full("Roundness and asynchronous error motion of every revolution", 270, x, y);
-    for (name, colour, points) in curves {
-        figure.dots(points.iter().copied(), colour).curve(name, points, Stroke::new(colour, 1.2));
-    }
-    figure.caption("Every revolution for itself.");
-    figure.render()
 }

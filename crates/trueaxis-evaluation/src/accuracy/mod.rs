@@ -1,5 +1,9 @@
 //! ISO 230-2 before and after compensation.
 
+mod shown;
+
+pub use shown::of_tables;
+
 use crate::by_axes;
 use crate::model::with_compensation;
 use crate::uncertainty::{per_length, reading};
