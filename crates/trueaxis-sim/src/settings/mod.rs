@@ -124,7 +124,10 @@ impl Settings {
     /// The plant with these settings, `temperature_rise_k` above the machine's reference temperature.
     pub fn plant(&self, temperature_rise_k: f64) -> PlantSettings {
         PlantSettings {
-            drives: self.axis.all().map(|own| own.drive.variant().map_or(self.drive, Variant::settings).varied(&own)),
+            drives: self
+                .axis
+                .all()
+                .map(|own| Variant::of(own.drive).map_or(self.drive, Variant::settings).varied(&own)),
             encoders: Axis::ALL.map(|axis| if axis.is_rotary() { self.encoder.rotary } else { self.encoder.linear }),
             lost_motion_mm: self.axis.all().map(|variation| variation.lost_motion_mm),
             temperature_rise_k,
@@ -138,7 +141,7 @@ impl Settings {
         let common = self.drive.agree(period_s).err().map(|of| (format!("drive.{}", of.key), of));
         // A variant's figures agree with each other, but its resonance may be too high for the servo rate.
         let mut own = Axis::ALL.into_iter().zip(self.axis.all()).filter_map(|(axis, variation)| {
-            let variant = variation.drive.variant()?;
+            let variant = Variant::of(variation.drive)?;
             let of = variant.settings().agree(period_s).err()?;
             let found = format!("\"{}\" with its {} of {}", variant.name(), of.key, of.found);
             Some((format!("axis.{}.drive", axis.letter()), Disagreement { found, ..of }))

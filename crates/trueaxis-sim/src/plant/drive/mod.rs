@@ -1,5 +1,6 @@
 //! One axis' servo drive: position loop, velocity loop, and one moving mass with friction or motor and load.
 
+mod axis_drive;
 #[cfg(test)]
 mod frequency_response;
 mod friction;
@@ -14,8 +15,9 @@ use friction::Friction;
 use std::f64::consts::TAU;
 use two_masses::{Step, TwoMasses};
 
+pub use axis_drive::AxisDrive;
 pub use settings::{Disagreement, DriveSettings, ScaleAt};
-pub use variant::{AxisDrive, Variant};
+pub use variant::Variant;
 
 /// Longest time step of the mechanics; a longer servo period is divided into several.
 const MAX_STEP_S: f64 = 1e-4;

@@ -1,6 +1,7 @@
 //! Tuned drives under a name.
 
-use super::{DriveSettings, ScaleAt};
+use super::axis_drive::AxisDrive;
+use super::settings::{DriveSettings, ScaleAt};
 use serde::{Deserialize, Serialize};
 use trueaxis_tables::text::one_of;
 
@@ -39,6 +40,17 @@ impl Variant {
     pub fn named(name: &str) -> Result<Variant, String> {
         let known = Variant::ALL.into_iter().find(|variant| variant.name() == name);
         known.ok_or_else(|| one_of(name, Variant::ALL.map(Variant::name), ", "))
+    }
+
+    /// The variant of one axis, if it has its own.
+    pub fn of(axis: AxisDrive) -> Option<Variant> {
+        match axis {
+            AxisDrive::Common => None,
+            AxisDrive::Stiff => Some(Variant::Stiff),
+            AxisDrive::Usual => Some(Variant::Usual),
+            AxisDrive::Soft => Some(Variant::Soft),
+            AxisDrive::Worn => Some(Variant::Worn),
+        }
     }
 
     /// The figures.
@@ -91,39 +103,6 @@ impl Variant {
                 ripple_period_mm: 10.0,
                 ..common
             },
-        }
-    }
-}
-
-/// The drive of one axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum AxisDrive {
-    /// That of all axes.
-    #[default]
-    Common,
-    /// [`Variant::Stiff`]
-    Stiff,
-    /// [`Variant::Usual`]
-    Usual,
-    /// [`Variant::Soft`]
-    Soft,
-    /// [`Variant::Worn`]
-    Worn,
-}
-
-impl AxisDrive {
-    /// Names in settings.
-    pub(crate) const NAMES: [&'static str; 5] = ["common", "stiff", "usual", "soft", "worn"];
-
-    /// The axis' own variant, if it has one.
-    pub fn variant(self) -> Option<Variant> {
-        match self {
-            AxisDrive::Common => None,
-            AxisDrive::Stiff => Some(Variant::Stiff),
-            AxisDrive::Usual => Some(Variant::Usual),
-            AxisDrive::Soft => Some(Variant::Soft),
-            AxisDrive::Worn => Some(Variant::Worn),
         }
     }
 }
