@@ -117,7 +117,11 @@ fn a_drive_is_chosen_for_all_axes_or_one_and_other_flags_change_it() {
 fn the_help_has_the_figures_of_the_variants() {
     let help = Folder::new(SIMULATOR).good(&["run", "--help"]);
     for variant in Variant::ALL {
-        let row = help.lines().find(|line| line.trim_start().starts_with(variant.name())).expect(variant.name());
+        let row = help.lines().find(|line| {
+            let mut words = line.split_whitespace();
+            words.next() == Some(variant.name()) && words.next().is_some_and(|word| word.parse::<f64>().is_ok())
+        });
+        let row = row.expect(variant.name());
         let numbers: Vec<f64> = row.split_whitespace().filter_map(|word| word.parse().ok()).collect();
         let s = variant.settings();
         let antiresonance = s.antiresonance_hz().round();
