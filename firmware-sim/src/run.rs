@@ -29,10 +29,24 @@ correction of the plugin. The run with compensation corrects only the geometry.
 The drives of the simulated machine are settings of the scenario, [drive] and [axis.X] in `firmware-sim scenario`; \
 those that the plugin uses are in machine.toml. They need not agree.
 
+--drive VARIANT[@AXIS] simulates motor and load as two masses. Each variant is stable and damped without the plugin:
+
+         resonance  antires.  damping  load   scale   play  Kv    Kvp   k_ff  friction
+         Hz         Hz        %        share  at      µm    1/s   1/s         mm/s²
+  stiff  250        209       3        0.3    load    0     110   800   0.93  420
+  usual  120        93        3        0.4    load    0     60    350   0.9   420
+  soft   45         32        4        0.5    motor   0     25    150   0     420
+  worn   80         62        2        0.4    motor   6     35    250   0.9   650
+
+worn has a torque ripple of 60 mm/s² every 10 mm, too. Without --drive the axes are rigid. The figures are settings of \
+[drive]; a variant of one axis replaces [drive] there.
+
 More examples:
   # A machine that differs from its machine.toml:
   firmware-sim run --set drive.coulomb_mm_per_s2=500
-  firmware-sim run --set axis.Y.friction_factor=1.3";
+  firmware-sim run --set axis.Y.friction_factor=1.3
+  # An old Y axis on a usual machine:
+  firmware-sim run --drive usual --drive worn@Y";
 
 #[derive(Args)]
 #[command(before_help = "Example:\n  firmware-sim run --program short-tour --report out", after_help = HELP)]

@@ -4,8 +4,10 @@
 use anyhow::{Context, Result, anyhow};
 use clap::Args;
 use std::path::{Path, PathBuf};
+use trueaxis::machine::Axis;
 use trueaxis_sim::Settings;
 use trueaxis_sim::event::{EventKind, EventScript};
+use trueaxis_sim::plant::drive::Variant;
 use trueaxis_sim::plant::fault::FaultScript;
 
 #[derive(Args)]
@@ -38,6 +40,10 @@ pub(crate) struct SettingsArgs {
     /// Largest jerk along the path, mm/s³ [default: 10000].
     #[arg(long, value_name = "MM/S3", allow_negative_numbers = true, help_heading = "Settings")]
     jerk: Option<f64>,
+    /// Tuned drive of the simulated machine, of all axes or of one: stiff, usual, soft or worn; each has two masses and a
+    /// resonance, `firmware-sim run --help` has their figures (may be given several times) [default: rigid].
+    #[arg(long, value_name = "VARIANT[@AXIS]", help_heading = "Settings")]
+    drive: Vec<String>,
     /// Position gain Kv of the drives, 1/s [default: 110].
     #[arg(long, value_name = "KV", allow_negative_numbers = true, help_heading = "Settings")]
     position_gain: Option<f64>,
@@ -96,6 +102,22 @@ fn from_folder_of(file: &Path, settings: &mut Settings) {
     }
 }
 
+/// Sets the drive `VARIANT[@AXIS]`.
+fn choose_drive(settings: &mut Settings, drive: &str) -> Result<()> {
+    let (name, axis) = drive.split_once('@').map_or((drive, None), |(name, axis)| (name, Some(axis)));
+    let variant = Variant::named(name).map_err(|needed| anyhow!("--drive: found {name:?}, needed {needed}"))?;
+    let key = match axis {
+        None => "drive.variant".to_owned(),
+        Some(letter) => {
+            let known = Axis::ALL.into_iter().find(|axis| letter.eq_ignore_ascii_case(&axis.letter().to_string()));
+            let axis =
+                known.ok_or_else(|| anyhow!("--drive: found {drive:?}, needed {name}@AXIS of X, Y, Z, A, B, C"))?;
+            format!("axis.{}.drive", axis.letter())
+        }
+    };
+    settings.set(&key, &format!("\"{}\"", variant.name())).map_err(|e| anyhow!("--drive: {e}"))
+}
+
 impl SettingsArgs {
     /// The defaults, overridden by the file, the flags and --set, in that order; `acts` are added to those of the file.
     pub(crate) fn settings(&self, acts: &ActArgs) -> Result<Settings> {
@@ -109,6 +131,7 @@ impl SettingsArgs {
             }
             None => Settings::default(),
         };
+        self.drive.iter().try_for_each(|drive| choose_drive(&mut settings, drive))?;
         for (flag, value, keys) in self.flags() {
             for key in keys {
                 let taken = value.as_ref().map_or(Ok(()), |value| settings.set(key, value));
@@ -125,6 +148,7 @@ impl SettingsArgs {
                 assignment.split_once('=').ok_or_else(|| anyhow!("--set: found {assignment}, needed KEY=VALUE"))?;
             settings.set(key.trim(), value.trim()).map_err(|e| anyhow!("--set {assignment}: {e}"))?;
         }
+        settings.check()?;
         settings.faults.items.extend(FaultScript::parse(&acts.fault).map_err(|e| anyhow!("--fault: {e}"))?.items);
         settings.events.items.extend(EventScript::parse(&acts.event).map_err(|e| anyhow!("--event: {e}"))?.items);
         Ok(settings)

@@ -2,6 +2,7 @@
 
 use firmware_sim::samples::sample_machine;
 use serde_json::Value;
+use trueaxis_sim::plant::drive::Variant;
 use trueaxis_sim::plant::encoder::EncoderSettings;
 use trueaxis_tables::Machine;
 use trueaxis_testing::command::Folder;
@@ -71,6 +72,10 @@ fn refusals_say_where_and_what_is_needed() {
         (&["--set", "drive.gain=3"], "--set drive.gain=3: drive.gain: found no such setting"),
         (&["--set", "seed"], "--set: found seed, needed KEY=VALUE"),
         (&["--origin-mm", "1,2"], "--origin-mm: found"),
+        (&["--drive", "usaul"], "--drive: found \"usaul\", needed usual, or another of stiff, usual, soft, worn"),
+        (&["--drive", "worn@Q"], "--drive: found \"worn@Q\", needed worn@AXIS of X, Y, Z, A, B, C"),
+        (&["--drive", "stiff", "--rate-hz", "400"], "drive.resonance_hz: found 250, needed 0 (rigid) or 1 to 200 Hz"),
+        (&["--set", "drive.gear_play_mm=0.01"], "drive.gear_play_mm: found 0.01, needed 0 with the rigid drive"),
     ] {
         for command in ["scenario", "run"] {
             folder.bad(&[&[command], arguments].concat(), &[expected]);
@@ -91,5 +96,38 @@ fn the_sample_machines_state_their_encoders() {
             assert!(stated > encoder.resolution_mm, "{name} {:?}", own.axis);
             assert!((stated / (6.0 * encoder.noise_rms_mm) - 1.0).abs() < 0.01, "{name} {:?}: {stated}", own.axis);
         }
+    }
+}
+
+#[test]
+fn a_drive_is_chosen_for_all_axes_or_one_and_other_flags_change_it() {
+    let folder = Folder::new(SIMULATOR);
+    let text = folder.good(&["scenario", "--position-gain", "55", "--drive", "usual", "--drive", "worn@y"]);
+    for line in ["position_gain_per_s = 55.0", "resonance_hz = 120.0", "scale_at = \"load\"", "drive = \"worn\""] {
+        assert!(text.contains(line), "{line} in\n{text}");
+    }
+    folder.write("mine.toml", &text);
+    assert_eq!(folder.good(&["scenario", "--scenario", "mine.toml"]), text);
+    let refused = ["run", "--program", "short-tour", "--drive", "worn@C"];
+    folder.bad(&refused, &["settings: found a drive of axis C, needed one of X, Y, Z"]);
+}
+
+/// `run --help` states the figures of every variant.
+#[test]
+fn the_help_has_the_figures_of_the_variants() {
+    let help = Folder::new(SIMULATOR).good(&["run", "--help"]);
+    for variant in Variant::ALL {
+        let row = help.lines().find(|line| {
+            let mut words = line.split_whitespace();
+            words.next() == Some(variant.name()) && words.next().is_some_and(|word| word.parse::<f64>().is_ok())
+        });
+        let row = row.expect(variant.name());
+        let numbers: Vec<f64> = row.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        let s = variant.settings();
+        let antiresonance = s.antiresonance_hz().round();
+        let gains = [s.position_gain_per_s, s.velocity_gain_per_s, s.velocity_feed_forward];
+        let mechanics =
+            [s.resonance_hz, antiresonance, 100.0 * s.resonance_damping, s.load_share, 1e3 * s.gear_play_mm];
+        assert_eq!(numbers[..8], [mechanics.as_slice(), gains.as_slice()].concat()[..8], "{row}");
     }
 }

@@ -8,5 +8,6 @@ mod robustness;
 mod scripts;
 mod stability;
 mod telemetry;
+mod trial;
 mod volumetric_against_exact_geometry;
 mod walk;

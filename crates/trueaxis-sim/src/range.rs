@@ -19,10 +19,14 @@ impl Range<'_> {
     /// The range in words: `1 to 1000 %`.
     pub(crate) fn needed(&self) -> String {
         let Range { low, high, unit, .. } = self;
-        let number = |value: f64| match value {
-            _ if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) => format!("{value:e}"),
-            _ => value.to_string(),
-        };
         format!("{} to {} {unit}", number(*low), number(*high)).trim_end().to_owned()
+    }
+}
+
+/// A number in words: very small and very large ones with an exponent.
+pub(crate) fn number(value: f64) -> String {
+    match value {
+        _ if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) => format!("{value:e}"),
+        _ => value.to_string(),
     }
 }

@@ -4,12 +4,13 @@ use crate::error::{Result, SimError};
 use crate::learned::LearnedTable;
 use crate::motion::{Motion, MotionSettings, Setpoint};
 use crate::placement::Placement;
+use crate::plant::drive::AxisDrive;
 use crate::program::Program;
 use crate::settings::Settings;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use trueaxis::kinematics::Kinematics;
-use trueaxis::machine::{AXES, ErrorModel};
+use trueaxis::machine::{AXES, Axis, ErrorModel};
 use trueaxis_tables::Machine;
 
 /// One simulation.
@@ -44,6 +45,7 @@ impl Scenario {
     /// the declared travel; a structural code that cannot be read.
     pub fn new(machine: Machine, program: Program, settings: Settings) -> Result<Scenario> {
         settings.check()?;
+        check_drives(&settings, &machine)?;
         program.check_axes(&machine.settings)?;
         program.check_duration(settings.rate_hz, |element| settings.motion.speed(element))?;
         let origin_mm = settings.origin_mm.unwrap_or_else(|| middle_of_travel(&machine));
@@ -166,6 +168,18 @@ pub fn choose_model(machine: &mut Machine, model: Option<ErrorModel>, orientatio
     }
     if settings.orientation && settings.model == ErrorModel::Nine {
         return Err(SimError::unsuited("--orientation", "on with the nine-term model", "--model volumetric"));
+    }
+    Ok(())
+}
+
+/// Refuses a drive for an axis that the machine does not have.
+fn check_drives(settings: &Settings, machine: &Machine) -> Result<()> {
+    for (axis, own) in Axis::ALL.into_iter().zip(settings.axis.all()) {
+        if own.drive != AxisDrive::Common && machine.settings.axis(axis).is_none() {
+            let letters: Vec<String> = machine.axes().map(|(own, _)| own.axis.letter().to_string()).collect();
+            let found = format!("a drive of axis {}", axis.letter());
+            return Err(SimError::unsuited("settings", found, format!("one of {}", letters.join(", "))));
+        }
     }
     Ok(())
 }

@@ -6,6 +6,8 @@
 //!                           lost motion -> geometry -> true tool tip
 //! ```
 //!
+//! A drive with two masses has two positions: the encoder reads motor or load, the tip follows the load.
+//!
 //! The encoders see neither lost motion nor geometry, so that readings are bit-identical for a perfect and an imperfect
 //! machine.
 
@@ -17,7 +19,7 @@ pub mod fault;
 mod lost_motion;
 pub mod variation;
 
-use drive::{Drive, DriveSettings};
+use drive::{Disagreement, Drive, DriveSettings};
 use encoder::{Encoder, EncoderSettings};
 use fault::{Fault, FaultKind, FaultScript};
 
@@ -49,6 +51,14 @@ pub enum PlantError {
     Period {
         /// The period given, s.
         found_s: f64,
+    },
+    /// Figures of a drive do not agree with each other or with the servo period.
+    #[error("drive of axis {axis}: {}: found {}, needed {}", .of.key, .of.found, .of.needed)]
+    Drive {
+        /// The axis' letter.
+        axis: char,
+        /// The figure.
+        of: Disagreement,
     },
     /// A fault names an axis that the machine does not have.
     #[error("fault script: found axis {axis}, needed one of the machine's axes")]
@@ -138,6 +148,10 @@ impl Plant {
     ) -> Result<Plant, PlantError> {
         if !(1e-6..=0.1).contains(&period_s) {
             return Err(PlantError::Period { found_s: period_s });
+        }
+        for (own, _) in machine.axes() {
+            let disagree = |of| PlantError::Drive { axis: own.axis.letter(), of };
+            settings.drives[own.axis.index()].agree(period_s).map_err(disagree)?;
         }
         let geometry = Geometry::new(machine, settings.temperature_rise_k)?;
         let stations: Vec<Station> = machine
@@ -231,11 +245,10 @@ impl Plant {
         let mut readings = Readings { counts: [0; AXES], position: [0.0; AXES], valid: [true; AXES], elapsed_periods };
         for (i, (station, &command)) in self.stations.iter_mut().zip(drive_command).enumerate() {
             let resolution = station.encoder.resolution();
-            let before = station.drive.position();
+            let before = station.drive.load_position();
             station.drive.cycle(command, station.counts as f64 * resolution, elapsed_periods);
-            let now = station.drive.position();
-            station.play.follow(now - before);
-            station.counts = station.encoder.read(now);
+            station.play.follow(station.drive.load_position() - before);
+            station.counts = station.encoder.read(station.drive.position());
 
             let mut sent = station.counts;
             for kind in self.faults.acting(cycle, self.period_s) {
@@ -293,11 +306,11 @@ impl Plant {
         position
     }
 
-    /// Axis positions behind the lost motion that is not in the tables; the tables' own is part of the geometry.
+    /// The loads' positions behind the lost motion that is not in the tables; the tables' own is part of the geometry.
     fn carriage_positions(&self) -> [f64; AXES] {
-        let mut position = self.axis_positions();
+        let mut position = [0.0; AXES];
         for (q, station) in position.iter_mut().zip(&self.stations) {
-            *q += station.unknown_play * station.play.reverse();
+            *q = station.drive.load_position() + station.unknown_play * station.play.reverse();
         }
         position
     }

@@ -1,5 +1,6 @@
 //! Differences from axis to axis, as on real machines.
 
+use super::drive::AxisDrive;
 use crate::range::Range;
 use serde::{Deserialize, Serialize};
 use trueaxis::machine::Axis;
@@ -8,6 +9,8 @@ use trueaxis::machine::Axis;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Variation {
+    /// Drive of the axis; the factors below apply to it as to the common one.
+    pub drive: AxisDrive,
     /// Gains of position and velocity loop divided by the common ones.
     pub gain_factor: f64,
     /// Coulomb friction divided by the common one.
@@ -28,10 +31,10 @@ impl Variation {
             Axis::B => (0.95, 0.95),
             Axis::C => (1.01, 0.8),
         };
-        Variation { gain_factor, friction_factor, lost_motion_mm: 0.0 }
+        Variation { drive: AxisDrive::Common, gain_factor, friction_factor, lost_motion_mm: 0.0 }
     }
 
-    /// Name, value and range of every setting.
+    /// Name, value and range of every number.
     pub(crate) fn ranges(&self) -> [Range<'static>; 3] {
         let range = |key, found, low, high, unit| Range { key, found, low, high, unit };
         [

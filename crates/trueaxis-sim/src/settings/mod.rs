@@ -9,23 +9,25 @@
 //! feed_percent = 80
 //!
 //! [drive]                     # all axes
-//! position_gain_per_s = 90
+//! variant = "usual"           # a tuned drive; the keys below it change its figures
+//! position_gain_per_s = 55
 //!
 //! [encoder.linear]
 //! noise_rms_mm = 1e-5
 //!
 //! [axis.Y]                    # differences from axis to axis
+//! drive = "worn"              # in place of [drive]
 //! lost_motion_mm = 0.002
 //! ```
 //!
-//! Omitted keys keep their defaults. [`Settings::to_toml`] writes all keys.
+//! Omitted keys keep their defaults. [`Settings::to_toml`] writes all keys except `drive.variant`, whose figures it writes.
 
 mod overlay;
 
 use crate::event::EventScript;
 use crate::motion::MotionSettings;
 use crate::plant::PlantSettings;
-use crate::plant::drive::DriveSettings;
+use crate::plant::drive::{Disagreement, DriveSettings, Variant};
 use crate::plant::encoder::Encoders;
 use crate::plant::fault::FaultScript;
 use crate::plant::variation::Variations;
@@ -88,24 +90,25 @@ impl Settings {
     /// Text that is not TOML, an unknown key, a value of the wrong type or out of range; with its line.
     pub fn parse(text: &str, file: &str) -> Result<Settings, SettingError> {
         let mut settings = Settings::default();
-        overlay::overlay(&mut settings, text).map_err(|error| error.in_file(file))?;
+        overlay::overlay(&mut settings, text, overlay::Extent::All).map_err(|error| error.in_file(file))?;
         Ok(settings)
     }
 
-    /// Changes one setting: `key` (`drive.dead_time_s`) and `value` as in the TOML form.
+    /// Changes one setting: `key` (`drive.dead_time_s`) and `value` as in the TOML form. Whether it agrees with the others is
+    /// left to [`Settings::check`], so that settings can be changed in any order.
     ///
     /// # Errors
     /// As [`Settings::parse`], without a line.
     pub fn set(&mut self, key: &str, value: &str) -> Result<(), SettingError> {
-        overlay::overlay(self, &format!("{key} = {value}"))
+        overlay::overlay(self, &format!("{key} = {value}"), overlay::Extent::Ranges)
     }
 
-    /// Refuses settings out of range; [`Settings::parse`] and [`Settings::set`] already do so.
+    /// Refuses settings out of range or in disagreement with each other; [`Settings::parse`] already does so.
     ///
     /// # Errors
     /// The first such setting.
     pub fn check(&self) -> Result<(), SettingError> {
-        overlay::check(self, |_| 1)
+        overlay::check(self, overlay::Extent::All, |_| 1)
     }
 
     /// All settings as TOML, which [`Settings::parse`] reads back unchanged.
@@ -121,12 +124,29 @@ impl Settings {
     /// The plant with these settings, `temperature_rise_k` above the machine's reference temperature.
     pub fn plant(&self, temperature_rise_k: f64) -> PlantSettings {
         PlantSettings {
-            drives: self.axis.all().map(|variation| self.drive.varied(&variation)),
+            drives: self
+                .axis
+                .all()
+                .map(|own| Variant::of(own.drive).map_or(self.drive, Variant::settings).varied(&own)),
             encoders: Axis::ALL.map(|axis| if axis.is_rotary() { self.encoder.rotary } else { self.encoder.linear }),
             lost_motion_mm: self.axis.all().map(|variation| variation.lost_motion_mm),
             temperature_rise_k,
             faults: self.faults.clone(),
         }
+    }
+
+    /// The first setting that does not agree with the others, with its key.
+    fn disagreement(&self) -> Option<(String, Disagreement)> {
+        let period_s = 1.0 / self.rate_hz;
+        let common = self.drive.agree(period_s).err().map(|of| (format!("drive.{}", of.key), of));
+        // A variant's figures agree with each other, but its resonance may be too high for the servo rate.
+        let mut own = Axis::ALL.into_iter().zip(self.axis.all()).filter_map(|(axis, variation)| {
+            let variant = Variant::of(variation.drive)?;
+            let of = variant.settings().agree(period_s).err()?;
+            let found = format!("\"{}\" with its {} of {}", variant.name(), of.key, of.found);
+            Some((format!("axis.{}.drive", axis.letter()), Disagreement { found, ..of }))
+        });
+        common.or_else(|| own.next())
     }
 
     /// The first setting out of range: key, value as found, range.

@@ -2,6 +2,7 @@
 
 use super::Settings;
 use crate::message::LONGEST_FOUND;
+use crate::plant::drive::{AxisDrive, ScaleAt, Variant};
 use std::collections::BTreeMap;
 use std::fmt;
 use toml::de::DeTable;
@@ -11,6 +12,9 @@ use trueaxis_tables::text::{line_at, one_line, one_of};
 
 /// Most characters of an error's `needed`, which may list every setting.
 const LONGEST_NEEDED: usize = 1200;
+
+/// Key of a drive's table that names a tuned drive. It stands for the figures and is not a setting itself.
+const VARIANT: &str = "variant";
 
 /// A setting that is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,10 +55,22 @@ fn wrong(line: u32, key: &str, found: String, needed: String) -> SettingError {
     }
 }
 
-/// Refuses the first setting out of its range; `line` finds the line of a key.
-pub(super) fn check(settings: &Settings, line: impl Fn(&str) -> u32) -> Result<(), SettingError> {
-    match settings.out_of_range() {
-        Some((key, found, needed)) => Err(wrong(line(&key), &key, found.to_string(), needed)),
+/// What a check covers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// Every setting by itself.
+    Ranges,
+    /// Also whether they agree with each other.
+    All,
+}
+
+/// Refuses the first setting out of its range, then the first that does not agree with others; `line` finds the line of a key.
+pub(super) fn check(settings: &Settings, extent: Extent, line: impl Fn(&str) -> u32) -> Result<(), SettingError> {
+    if let Some((key, found, needed)) = settings.out_of_range() {
+        return Err(wrong(line(&key), &key, found.to_string(), needed));
+    }
+    match settings.disagreement().filter(|_| extent == Extent::All) {
+        Some((key, of)) => Err(wrong(line(&key), &key, of.found, of.needed)),
         None => Ok(()),
     }
 }
@@ -70,20 +86,44 @@ fn optional() -> [(&'static str, Value); 2] {
     [("temperature_c", Value::Float(f64::NAN)), ("origin_mm", Value::Array(Vec::new()))]
 }
 
-pub(super) fn overlay(settings: &mut Settings, text: &str) -> Result<(), SettingError> {
+/// Names that a setting can have, for a key with names.
+fn names(key: &str) -> Option<&'static [&'static str]> {
+    match key {
+        "drive.scale_at" => Some(&ScaleAt::NAMES),
+        _ if key.starts_with("axis.") && key.ends_with(".drive") => Some(&AxisDrive::NAMES),
+        _ => None,
+    }
+}
+
+/// Replaces the drive of all axes by the variant that `given` names, and takes the name out of it. An error as of [`merge`].
+fn choose_variant(all: &mut Table, given: &mut Table) -> Result<(), Wrong> {
+    let name = given.get_mut("drive").and_then(Value::as_table_mut).and_then(|drive| drive.remove(VARIANT));
+    let Some(name) = name else { return Ok(()) };
+    let key = format!("drive.{VARIANT}");
+    let variant = match &name {
+        Value::String(text) => Variant::named(text),
+        _ => Err(format!("one of {}", Variant::ALL.map(Variant::name).join(", "))),
+    };
+    let variant = variant.map_err(|needed| (key, name.to_string(), needed))?;
+    all.insert("drive".into(), Value::Table(Table::try_from(variant.settings()).unwrap_or_default()));
+    Ok(())
+}
+
+pub(super) fn overlay(settings: &mut Settings, text: &str, extent: Extent) -> Result<(), SettingError> {
     let no_toml = |error: toml::de::Error| {
         let line = error.span().map_or(1, |span| line_at(text, span.start));
         wrong(line, "", error.message().replace('\n', " "), "KEY = VALUE lines of TOML".into())
     };
     let keys = Keys::new(text, DeTable::parse(text).map_err(no_toml)?.get_ref());
-    let given: Table = toml::from_str(text).map_err(no_toml)?;
+    let mut given: Table = toml::from_str(text).map_err(no_toml)?;
     let line = |key: &str| keys.get(key).map_or(1, |key| key.line);
 
     let mut all = table(settings);
     for (key, none) in optional() {
         all.entry(key).or_insert(none);
     }
-    merge(&mut all, given, "").map_err(|(key, found, needed)| wrong(line(&key), &key, found, needed))?;
+    let merged = choose_variant(&mut all, &mut given).and_then(|()| merge(&mut all, given, ""));
+    merged.map_err(|(key, found, needed)| wrong(line(&key), &key, found, needed))?;
     for (key, none) in optional() {
         // NaN differs from itself.
         if all.get(key).is_some_and(|value| value.to_string() == none.to_string()) {
@@ -101,7 +141,7 @@ pub(super) fn overlay(settings: &mut Settings, text: &str) -> Result<(), Setting
         let found = found.map(Value::to_string).unwrap_or_default();
         wrong(line(key), key, found, error.message().replace('\n', " "))
     })?;
-    check(&merged, line)?;
+    check(&merged, extent, line)?;
     *settings = merged;
     Ok(())
 }
@@ -139,11 +179,15 @@ fn leaves(table: &Table, path: &str, into: &mut BTreeMap<String, String>) {
     }
 }
 
-/// Replaces values by the given ones. An error states the key, the value found and the value needed.
-fn merge(all: &mut Table, given: Table, path: &str) -> Result<(), (String, String, String)> {
+/// Key, value found and value needed.
+type Wrong = (String, String, String);
+
+/// Replaces values by the given ones.
+fn merge(all: &mut Table, given: Table, path: &str) -> Result<(), Wrong> {
     for (key, value) in given {
         let name = dotted(path, &key);
-        let known = || one_of(&key, all.keys().map(String::as_str), ", ");
+        let variant = (name.starts_with("drive.")).then_some(VARIANT);
+        let known = || one_of(&key, all.keys().map(String::as_str).chain(variant), ", ");
         let Some(place) = all.get(&key) else {
             let found = "no such setting".to_owned();
             return Err((name, found, known()));
@@ -158,8 +202,17 @@ fn merge(all: &mut Table, given: Table, path: &str) -> Result<(), (String, Strin
             (Value::Float(_), value @ Value::Float(_))
             | (Value::Integer(_), value @ Value::Integer(0..))
             | (Value::Array(_), value @ Value::Array(_)) => value,
+            (Value::String(_), Value::String(value)) => {
+                let known = names(&name).unwrap_or_default();
+                if !known.contains(&value.as_str()) {
+                    let needed = one_of(&value, known.iter().copied(), ", ");
+                    return Err((name, Value::String(value).to_string(), needed));
+                }
+                Value::String(value)
+            }
             (place, value) => {
                 let needed = match place {
+                    Value::String(_) => format!("one of {}", names(&name).unwrap_or_default().join(", ")),
                     Value::Table(inner) => {
                         format!("a table of {}", inner.keys().map(String::as_str).collect::<Vec<_>>().join(", "))
                     }

@@ -1,0 +1,120 @@
+//! Counts over the plants of a trial.
+
+use super::{Case, PARTS, Shape};
+use serde::Serialize;
+use std::fmt;
+use trueaxis_sim::plant::drive::ScaleAt;
+
+/// Ratio from which an error counts as worse than without any part.
+const WORSE: f64 = 1.05;
+
+/// What one combination of parts did to a group of plants, compared with no part.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// The parts.
+    pub parts: &'static str,
+    /// Plants.
+    pub plants: usize,
+    /// Plants whose p99.9 or RMS is more than 5 % larger.
+    pub worse: usize,
+    /// Plants on which either is more than twice as large.
+    pub doubled: usize,
+    /// Plants on which the watch led the feedback out.
+    pub led_out: usize,
+    /// Largest ratio of the errors, and the plant's number.
+    pub largest: (f64, usize),
+    /// Median ratio of p99.9 and of RMS.
+    pub median: [f64; 2],
+}
+
+/// Rows of a group of plants.
+#[derive(Clone, Debug, Serialize)]
+pub struct Tally {
+    /// The group.
+    pub group: String,
+    /// One row for each of [`PARTS`].
+    pub rows: Vec<Row>,
+}
+
+impl Tally {
+    /// All plants, then groups by one property each.
+    pub fn of(cases: &[Case]) -> Vec<Tally> {
+        let group = |name: &str, member: &dyn Fn(&Case) -> bool| {
+            let members: Vec<&Case> = cases.iter().filter(|case| member(case)).collect();
+            let rows = PARTS.iter().enumerate().map(|(i, (parts, _))| row(parts, i, &members)).collect();
+            Tally { group: name.to_owned(), rows }
+        };
+        let stated = |case: &Case| case.plant.stated;
+        let lowest =
+            |case: &Case| case.plant.drives.map(|drive| drive.resonance_hz).into_iter().fold(f64::MAX, f64::min);
+        // What lag asks of an axis, against its limit of 50 µm.
+        let lag_um = |case: &Case| {
+            let s = stated(case);
+            1e3 * (1.0 - s.velocity_feed_forward) * case.feed_mm_per_s / s.position_gain_per_s
+        };
+        vec![
+            group("all", &|_| true),
+            group("circles", &|case| case.shape == Shape::Circle),
+            group("lines", &|case| case.shape == Shape::Line),
+            group("lag below 50 µm", &|case| lag_um(case) < 50.0),
+            group("lag above 50 µm", &|case| lag_um(case) >= 50.0),
+            group("lag below 50 µm, circles", &|case| lag_um(case) < 50.0 && case.shape == Shape::Circle),
+            group("lag below 50 µm, lines", &|case| lag_um(case) < 50.0 && case.shape == Shape::Line),
+            group("resonance below 60 Hz", &|case| lowest(case) < 60.0),
+            group("resonance 60 to 120 Hz", &|case| (60.0..120.0).contains(&lowest(case))),
+            group("resonance above 120 Hz", &|case| lowest(case) >= 120.0),
+            group("scale on the motor", &|case| stated(case).scale_at == ScaleAt::Motor),
+            group("scale on the load", &|case| stated(case).scale_at == ScaleAt::Load),
+            group("dead time below a cycle", &|case| stated(case).dead_time_s < case.plant.period_s),
+            group("dead time above a cycle", &|case| stated(case).dead_time_s >= case.plant.period_s),
+            group("feed below 1.5 m/min", &|case| case.feed_mm_per_s < 25.0),
+            group("feed 1.5 to 6 m/min", &|case| (25.0..100.0).contains(&case.feed_mm_per_s)),
+            group("feed above 6 m/min", &|case| case.feed_mm_per_s >= 100.0),
+        ]
+    }
+}
+
+fn row(parts: &'static str, i: usize, cases: &[&Case]) -> Row {
+    let ratios = || cases.iter().map(|case| (case.with[i].against(&case.off), case.number));
+    let above = |limit: f64| ratios().filter(|(ratio, _)| *ratio > limit).count();
+    let p999 = cases.iter().map(|case| case.with[i].error_um.p999 / case.off.error_um.p999);
+    let rms = cases.iter().map(|case| case.with[i].error_um.rms / case.off.error_um.rms);
+    Row {
+        parts,
+        plants: cases.len(),
+        worse: above(WORSE),
+        doubled: above(2.0),
+        led_out: cases.iter().filter(|case| case.with[i].led_out).count(),
+        largest: ratios().fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a }),
+        median: [median(p999.collect()), median(rms.collect())],
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plants = self.rows.first().map_or(0, |row| row.plants);
+        writeln!(f, "{}: {plants} plants", self.group)?;
+        writeln!(
+            f,
+            "  {:<14}{:>8}{:>10}{:>9}{:>10}{:>9}  {:>13}{:>8}",
+            "parts", "worse", "over 2x", "led out", "largest", "plant", "median p99.9", "RMS"
+        )?;
+        for row in &self.rows {
+            let (largest, number) = row.largest;
+            writeln!(
+                f,
+                "  {:<14}{:>8}{:>10}{:>9}{largest:>10.2}{number:>9}  {:>13.3}{:>8.3}",
+                row.parts, row.worse, row.doubled, row.led_out, row.median[0], row.median[1]
+            )?;
+        }
+        Ok(())
+    }
+}
