@@ -2,6 +2,7 @@
 
 use crate::common::{PROGRAM, machine};
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 use trueaxis_sim::event::Act;
 use trueaxis_sim::program::Program;
 use trueaxis_sim::run::{Kind, Moment, Run, Sample, Tallies};
@@ -39,13 +40,12 @@ fn finish(mut run: Run) -> Vec<Tallies> {
     run.tallies()
 }
 
-fn plain() -> Vec<Tallies> {
-    finish(Run::of(scenario(&[], &[]), &KINDS).unwrap())
-}
+/// The run without acts, with which the others are compared.
+static PLAIN: LazyLock<Vec<Tallies>> = LazyLock::new(|| finish(Run::of(scenario(&[], &[]), &KINDS).unwrap()));
 
 /// Whether the digest of each machine differs from that without acts.
 fn changed(after: &[Tallies]) -> Vec<bool> {
-    after.iter().zip(plain()).map(|(after, plain)| after.digest != plain.digest).collect()
+    after.iter().zip(&*PLAIN).map(|(after, plain)| after.digest != plain.digest).collect()
 }
 
 /// Acts once the run has reached 0.7 s, 700 cycles, after being paused there and elsewhere before.
@@ -150,7 +150,7 @@ fn refused_acts_change_nothing() {
         let error = run.act(&act.parse().unwrap(), &others()).unwrap_err().to_string();
         assert!(error.starts_with(expected), "{error}");
     }
-    assert_eq!(finish(run), plain());
+    assert_eq!(finish(run), *PLAIN);
     let refused = |event: &str| Run::of(scenario(&[], &[event.to_owned()]), &KINDS).unwrap_err();
     assert!(matches!(refused("exchange:wild@1s"), SimError::Exchange { .. }));
     assert!(matches!(refused("exchange:cold@1s"), SimError::Unsuited { .. }));
