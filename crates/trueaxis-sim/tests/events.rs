@@ -1,6 +1,6 @@
 //! Acts during a run: they give the same bits as the same acts in the scenario, and tables exchanged in motion ramp in.
 
-use crate::common::{PROGRAM, machine};
+use crate::common::machine;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 use trueaxis_sim::event::Act;
@@ -8,6 +8,9 @@ use trueaxis_sim::program::Program;
 use trueaxis_sim::run::{Kind, Moment, Run, Sample, Tallies};
 use trueaxis_sim::{Scenario, Settings, SimError};
 use trueaxis_tables::Machine;
+
+/// A line and an arc: the acts take place on them.
+const PROGRAM: &str = "G21 G90 F1500\nG1 X10\nG2 X10 Y-20 J-10\n";
 
 /// All kinds of machines, including those without the plugin.
 const KINDS: [Kind; 5] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly, Kind::Full, Kind::Configured];
