@@ -83,7 +83,7 @@ fn an_unstable_loop_is_ramped_out() {
     let tracks = tracks();
     let mut random = Noise::new(16);
     let (mut unstable, mut drawn) = (0, 0);
-    while unstable < share(200) {
+    while unstable < share(200).min(60) {
         drawn += 1;
         assert!(drawn < 1000, "{unstable} of {drawn}");
         let (configured, machine, watched) = permitted(&mut random, None);
