@@ -118,7 +118,7 @@ fn clipped_corrections_are_reported() {
 #[test]
 fn other_programs_machines_and_rates_run() {
     for (program, machine, rate) in [
-        ("butterfly", "mill-3axis", "10000"),
+        ("butterfly", "mill-3axis", "2000"),
         ("pocket-3d", "mill-3axis", "4000"),
         ("circle-diamond-square", "mill-5axis", "2000"),
     ] {
@@ -173,8 +173,8 @@ fn injected_faults_are_reported_where_they_happen_and_only_bad_commands_stop() {
 fn the_trace_keeps_the_limits_and_the_report_is_written() {
     let directory = Folder::new(SIMULATOR);
     let arguments =
-        ["run", "--report", "out", "--trace-every", "1", "--program", "butterfly", "--fault", "dropout:Y@1s+50"];
-    let output = directory.run(&arguments);
+        ["run", "--report", "out", "--trace-every", "1", "--program", "butterfly", "--fault", "dropout:Y@1s+10"];
+    let output = directory.run(&[&arguments[..], &["--rate-hz", "2000"]].concat());
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(
@@ -209,16 +209,16 @@ fn the_trace_keeps_the_limits_and_the_report_is_written() {
         if let Some(last) = last {
             for k in 0..3 {
                 let v = c[k] - last[k];
-                // 100 µm, 5 mm/s = 0.5 µm and 5 m/s² = 0.05 µm per cycle; five decimals in the file.
-                assert!(c[k].abs() <= 100.0 && v.abs() <= 0.5 + 2e-5, "line {count}: {v}");
-                assert!(count < 3 || (v - velocity[k]).abs() <= 0.05 + 4e-5, "line {count}: {}", v - velocity[k]);
+                // 100 µm, 5 mm/s = 2.5 µm and 5 m/s² = 1.25 µm per cycle; five decimals in the file.
+                assert!(c[k].abs() <= 100.0 && v.abs() <= 2.5 + 2e-5, "line {count}: {v}");
+                assert!(count < 3 || (v - velocity[k]).abs() <= 1.25 + 4e-5, "line {count}: {}", v - velocity[k]);
                 velocity[k] = v;
             }
         }
         last = Some(c);
         count += 1;
     }
-    assert!(count > 100_000);
+    assert!(count > 20_000);
 }
 
 #[test]

@@ -197,7 +197,7 @@ fn json(arguments: &[&str]) -> Value {
     Folder::new(SIMULATOR).json(arguments)
 }
 
-const CONE: [&str; 7] = ["run", "--json", "--machine", "mill-5axis", "--program", "cone-5axis", "--rate-hz=2000"];
+const CONE: [&str; 7] = ["run", "--json", "--machine", "mill-5axis", "--program", "cone-5axis", "--rate-hz=1000"];
 
 #[test]
 fn a_cone_on_five_axes_is_left_with_what_the_servo_leaves() {
@@ -232,7 +232,7 @@ fn a_cone_on_five_axes_is_left_with_what_the_servo_leaves() {
 #[test]
 fn an_s_shape_on_five_axes_is_left_with_what_the_servo_leaves() {
     let run =
-        json(&["run", "--json", "--machine", "mill-5axis", "--program", "s-shape", "--rate-hz=2000", "--orientation"]);
+        json(&["run", "--json", "--machine", "mill-5axis", "--program", "s-shape", "--rate-hz=1000", "--orientation"]);
     let rms = |what: &str, which: &str| run[what][which]["rms"].as_f64().unwrap();
     for (what, slack) in [("contour_error_um", 0.1), ("orientation_error_urad", 1.0)] {
         let [before, after, servo] = ["uncompensated", "compensated", "servo_only"].map(|which| rms(what, which));

@@ -22,7 +22,7 @@ fn ramped_in(outcome: &Outcome) {
 
 #[test]
 fn a_mill_with_three_balls_stays_true_over_a_shift() {
-    let outcome = shift(1, false, 40, None);
+    let outcome = shift(1, false, 24, None);
     assert!(outcome.rms_um[1] < 0.4 * outcome.rms_um[0], "{:?}", outcome.rms_um);
     ramped_in(&outcome);
     assert!(page(&outcome).trim_end().ends_with("</html>"));
@@ -30,7 +30,7 @@ fn a_mill_with_three_balls_stays_true_over_a_shift() {
 
 #[test]
 fn centre_lines_follow_a_ball_that_is_turned() {
-    let outcome = shift(2, true, 40, None);
+    let outcome = shift(2, true, 24, None);
     assert!(outcome.rms_um[1] < 0.4 * outcome.rms_um[0], "{:?}", outcome.rms_um);
     ramped_in(&outcome);
 }

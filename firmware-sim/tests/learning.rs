@@ -24,9 +24,11 @@ fn mill_without_feedback(folder: &Folder) {
 fn after_three_parts_sixty_percent_of_full_are_left() {
     let folder = Folder::new(SIMULATOR);
     mill_without_feedback(&folder);
-    let full = folder.json(&["run", "--json"])["contour_error_um"]["full"]["rms"].as_f64().unwrap();
+    let full =
+        folder.json(&["run", "--json", "--rate-hz", "4000"])["contour_error_um"]["full"]["rms"].as_f64().unwrap();
     let law = ["--measured-by", "grid", "--gain", "1", "--cutoff-mm", "0.2"];
-    let found = folder.json(&[&["learn", "--json", "--parts", "3", "--machine", "mill"], &law[..]].concat());
+    let found = folder
+        .json(&[&["learn", "--json", "--parts", "3", "--machine", "mill", "--rate-hz", "4000"], &law[..]].concat());
     let left = [0, 1, 2].map(|part| rms(&found, part));
     assert!(left[2] <= 0.6 * full && left[1] < left[0] && left[2] < left[1], "{full}: {left:?}");
     assert!(found["parts"].as_array().unwrap().iter().all(|part| part["stopped"] == false));
@@ -36,7 +38,8 @@ fn after_three_parts_sixty_percent_of_full_are_left() {
 #[test]
 fn errors_that_the_encoders_do_not_see_are_not_made_worse() {
     for program in ["circle-diamond-square", "butterfly"] {
-        let found = Folder::new(SIMULATOR).json(&["learn", "--json", "--parts", "3", "--program", program]);
+        let at = ["--program", program, "--rate-hz", "4000"];
+        let found = Folder::new(SIMULATOR).json(&[&["learn", "--json", "--parts", "3"], &at[..]].concat());
         for part in 1..3 {
             assert!(rms(&found, part) < 1.02 * rms(&found, 0), "{program}: {found}");
         }

@@ -54,10 +54,19 @@ fn read_at(period_s: f64, friction: &FrictionSettings, within: (Commands, f64)) 
     Record::new(&stamps, [recorded(Axis::X, x, 1), recorded(Axis::Y, y, 2)]).unwrap()
 }
 
+/// Smaller circles, whose records are a third as long.
+const SMALL: [Circle; 4] = [(8.003, 25.0, 1.5), (8.003, -25.0, 1.5), (8.003, 10.0, 1.5), (8.003, -10.0, 1.5)];
+
 /// X and Y of the standard circles, simulated once.
 fn standard() -> &'static Record {
     static RECORD: OnceLock<Record> = OnceLock::new();
     RECORD.get_or_init(|| record(&CIRCLES, 1e-4, 0.05, &DRIVE, &FRICTION))
+}
+
+/// What is found in it with the drive's figures given.
+fn found_in_standard() -> &'static [Identified; 2] {
+    static FOUND: OnceLock<[Identified; 2]> = OnceLock::new();
+    FOUND.get_or_init(|| found(standard(), Some(DRIVE)).unwrap())
 }
 
 fn found(record: &Record, given: Option<DriveFigures>) -> Result<[Identified; 2], FrictionRefusal> {
@@ -102,7 +111,7 @@ fn drive_and_friction_come_back_from_circles_that_start_and_stop() {
 /// The standard circles with the feed-forward in the drive's command: the spikes vanish in the plant, not only in the model.
 #[test]
 fn the_feed_forward_of_what_was_found_takes_the_spikes_away() {
-    let [found, _] = found(standard(), Some(DRIVE)).unwrap();
+    let [found, _] = found_in_standard();
     near("F_c", found.coulomb_per_s, FRICTION.coulomb_per_s, 0.02);
     near("s", found.stribeck_share, FRICTION.stribeck_share, 0.05);
     near("v_s", found.stribeck_velocity_per_s, FRICTION.stribeck_velocity_per_s, 0.05);
@@ -124,7 +133,7 @@ fn the_feed_forward_of_what_was_found_takes_the_spikes_away() {
 #[test]
 fn circles_show_what_friction_adds_to_the_radius() {
     let record = standard();
-    let found = found(record, Some(DRIVE)).unwrap();
+    let found = found_in_standard();
     let calm = FrictionSettings { coulomb_per_s: 0.0, viscous: 0.0, ..FRICTION };
     let radius = |k: usize, axes: [&[f64]; 2]| axes[0][k].hypot(axes[1][k]);
     let [x, y] = [0, 1].map(|i| readings(&record.axes[i].command, 1e-4, &DRIVE, &calm, 1 + i as u64));
@@ -215,7 +224,7 @@ fn the_drive_found_is_as_uncertain_as_the_time_at_which_the_encoder_is_read() {
 #[test]
 fn a_record_that_does_not_determine_the_drive_is_refused_unless_its_figures_are_given() {
     // Ramps of two seconds: hardly any acceleration along the path.
-    let record = record(&CIRCLES, 1e-3, 2.0, &DRIVE, &FRICTION);
+    let record = record(&SMALL, 1e-3, 2.0, &DRIVE, &FRICTION);
     let refused = found(&record, None).unwrap_err();
     assert!(!matches!(refused, FrictionRefusal::NotExplained { .. } | FrictionRefusal::NoFriction { .. }), "{refused}");
     assert!(refused.to_string().contains("--machine"), "{refused}");

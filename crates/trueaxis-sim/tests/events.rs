@@ -1,12 +1,16 @@
 //! Acts during a run: they give the same bits as the same acts in the scenario, and tables exchanged in motion ramp in.
 
-use crate::common::{PROGRAM, machine};
+use crate::common::machine;
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 use trueaxis_sim::event::Act;
 use trueaxis_sim::program::Program;
 use trueaxis_sim::run::{Kind, Moment, Run, Sample, Tallies};
 use trueaxis_sim::{Scenario, Settings, SimError};
 use trueaxis_tables::Machine;
+
+/// A line and an arc: the acts take place on them.
+const PROGRAM: &str = "G21 G90 F1500\nG1 X10\nG2 X10 Y-20 J-10\n";
 
 /// All kinds of machines, including those without the plugin.
 const KINDS: [Kind; 5] = [Kind::Uncompensated, Kind::Compensated, Kind::ServoOnly, Kind::Full, Kind::Configured];
@@ -39,13 +43,12 @@ fn finish(mut run: Run) -> Vec<Tallies> {
     run.tallies()
 }
 
-fn plain() -> Vec<Tallies> {
-    finish(Run::of(scenario(&[], &[]), &KINDS).unwrap())
-}
+/// The run without acts, with which the others are compared.
+static PLAIN: LazyLock<Vec<Tallies>> = LazyLock::new(|| finish(Run::of(scenario(&[], &[]), &KINDS).unwrap()));
 
 /// Whether the digest of each machine differs from that without acts.
 fn changed(after: &[Tallies]) -> Vec<bool> {
-    after.iter().zip(plain()).map(|(after, plain)| after.digest != plain.digest).collect()
+    after.iter().zip(&*PLAIN).map(|(after, plain)| after.digest != plain.digest).collect()
 }
 
 /// Acts once the run has reached 0.7 s, 700 cycles, after being paused there and elsewhere before.
@@ -150,7 +153,7 @@ fn refused_acts_change_nothing() {
         let error = run.act(&act.parse().unwrap(), &others()).unwrap_err().to_string();
         assert!(error.starts_with(expected), "{error}");
     }
-    assert_eq!(finish(run), plain());
+    assert_eq!(finish(run), *PLAIN);
     let refused = |event: &str| Run::of(scenario(&[], &[event.to_owned()]), &KINDS).unwrap_err();
     assert!(matches!(refused("exchange:wild@1s"), SimError::Exchange { .. }));
     assert!(matches!(refused("exchange:cold@1s"), SimError::Unsuited { .. }));

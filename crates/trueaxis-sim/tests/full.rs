@@ -133,7 +133,8 @@ fn a_circle_is_true_within_150_nm_where_the_figures_are_right() {
 #[test]
 fn a_cone_on_five_axes_is_left_below_half_of_what_the_servo_alone_leaves() {
     let program = Program::builtin("cone-5axis").unwrap().unwrap();
-    let scenario = Scenario::new(sample("mill-5axis"), program, Settings::default()).unwrap();
+    let settings = Settings { rate_hz: 4000.0, ..Settings::default() };
+    let scenario = Scenario::new(sample("mill-5axis"), program, settings).unwrap();
     let [servo, full] = &tallies(scenario, &[Kind::ServoOnly, Kind::Full])[..] else { panic!("two runs") };
     assert!(full.error.rms_um < 0.5 * servo.error.rms_um, "{full:?} against {servo:?}");
 }

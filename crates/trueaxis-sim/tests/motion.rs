@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 use trueaxis_sim::motion::{DWELL_CYCLES, Motion, MotionError, MotionSettings, Setpoint};
 use trueaxis_sim::program::{BUILTIN_NAMES, Curve, Move, Program};
+use trueaxis_testing::share::share;
 
 fn program(text: &str) -> Program {
     Program::parse("test", text, "part.ngc").unwrap()
@@ -210,7 +211,7 @@ fn settings_out_of_range_are_refused() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: share(600) as u32, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn random_paths_keep_every_limit(

@@ -1,5 +1,6 @@
 //! Runs do not depend on how they are divided, and settings have their effect.
 
+use crate::common::PROGRAM;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 use trueaxis::tcomp::Tcomp;
@@ -9,7 +10,6 @@ use trueaxis_sim::{Scenario, Settings, SimError};
 use trueaxis_tables::Machine;
 
 const TABLES: &[u8] = include_bytes!("../../trueaxis/mill-3axis.tcomp");
-const PROGRAM: &str = "G21 G90 F1500\nG1 X10\nG2 X10 Y-20 J-10\nG1 X0 Y0\nG0 Z5\n";
 
 fn scenario(settings: Settings) -> Scenario {
     let machine = Machine::from_tcomp(&Tcomp::parse(TABLES).unwrap());
