@@ -48,16 +48,17 @@ names = sorted(set(core["features"]) - {"default", "fp64"})
 sets = [[], *([name] for name in names), *([other for other in names if other != name] for name in names), names]
 print(*dict.fromkeys(map(",".join, sets)), sep="\\n")
 ')
+export RUSTC_WRAPPER=$PWD/.ci/check-of-core
 for features in "${sets[@]}"; do
     echo "features: $features"
     cargo check --quiet -p trueaxis --no-default-features --features "$features"
 done
 # The examples, as a host builds them: without `bench`, which every other build of them has.
-cargo build --quiet -p trueaxis
+core=$(cargo check --quiet -p trueaxis --message-format json | sed -n 's/.*"\\([^"]*libtrueaxis-[^"]*\\.rmeta\\)".*/\\1/p')
 for example in embed mcu; do
     echo "example: $example"
     CARGO_MANIFEST_DIR=$PWD/crates/trueaxis rustc --edition 2024 --emit metadata -L "dependency=$CARGO_TARGET_DIR/debug/deps" \\
-        --extern "trueaxis=$CARGO_TARGET_DIR/debug/libtrueaxis.rlib" --out-dir "$CARGO_TARGET_DIR" "crates/trueaxis/examples/$example.rs"
+        --extern "trueaxis=$core" --out-dir "$CARGO_TARGET_DIR" "crates/trueaxis/examples/$example.rs"
 done
 rm -rf "$target/features"
 """

@@ -128,7 +128,7 @@ fn memory_of_a_path_is_checked() {
 
 #[test]
 fn a_reference_outside_the_path_is_flagged() {
-    let built = built(mill());
+    let built = mill_loop();
     let mut state = started(&built.servo);
     let mut path = Programmed::new(8, 0);
     assert_eq!(path.line([10.0, 20.0, -200.0], [50.0, 20.0, -200.0]), OK);

@@ -77,7 +77,7 @@ fn five_axes_too() {
 
 #[test]
 fn questions_are_checked() {
-    let servo = built(mill());
+    let servo = mill_loop();
     let mut bypass = zeroed::<Loop>();
     let size = size_of::<Loop>();
     // SAFETY: all pointers and sizes match their types.

@@ -53,7 +53,7 @@ impl Build {
 #[test]
 fn a_loop_is_built_of_nothing_less() {
     let mut storage = zeroed::<Loop>();
-    let mut memory = built(mill()).memory;
+    let mut memory = vec![0_u64; mill_loop().memory.len()];
     let (mut spare, mut error) = (vec![0_u64; 4096], error());
     let storage: *mut Loop = &mut *storage;
     let good = Build {
@@ -93,8 +93,14 @@ fn a_loop_is_built_of_nothing_less() {
     for (place, (result, build)) in refused.iter().enumerate() {
         // SAFETY: our own storage, zeroed.
         let before = bytes_of(unsafe { &*storage });
-        assert_eq!(build.call(), *result, "{place}");
-        assert_eq!(Build { error: if build.error.is_null() { error } else { build.error }, ..*build }.call(), *result);
+        // Miri takes a second to read a file: there every other mistake is made with an error only, the rest without.
+        if !cfg!(miri) || place % 2 == 0 {
+            assert_eq!(build.call(), *result, "{place}");
+        }
+        if !cfg!(miri) || place % 2 == 1 {
+            let error = if build.error.is_null() { error } else { build.error };
+            assert_eq!(Build { error, ..*build }.call(), *result, "{place}");
+        }
         // SAFETY: as above.
         assert_eq!(bytes_of(unsafe { &*storage }), before, "{place}");
         // SAFETY: as above.
@@ -211,8 +217,7 @@ fn contents_that_make_no_sense_name_the_setting() {
 
 #[test]
 fn a_cycle_takes_what_it_says() {
-    let built = built(mill());
-    let servo: &Loop = &built.servo;
+    let servo: &Loop = &mill_loop().servo;
     let mut state = started(servo);
     let at = [10.0, 20.0, -200.0, 0.0, 0.0, 0.0];
     let good = input(at, at);
@@ -280,7 +285,7 @@ fn a_cycle_takes_what_it_says() {
 
 #[test]
 fn periods_and_numbers_of_axes_must_fit() {
-    let built = built(mill());
+    let built = mill_loop();
     let mut bypass = zeroed::<Loop>();
     let mut state = zeroed::<State>();
     let size = size_of::<Loop>();
@@ -329,7 +334,7 @@ fn periods_and_numbers_of_axes_must_fit() {
 
 #[test]
 fn temperatures_must_be_of_this_world() {
-    let built = built(mill());
+    let built = mill_loop();
     let mut state = started(&built.servo);
     let before = bytes_of(&*state);
     let state: *mut State = &mut *state;
@@ -348,7 +353,7 @@ fn temperatures_must_be_of_this_world() {
 
 #[test]
 fn frames_need_room() {
-    let built = built(mill());
+    let built = mill_loop();
     let mut state = started(&built.servo);
     let mut out = output();
     assert_eq!(step(&built.servo, &mut state, &input([0.0; 6], [0.0; 6]), &mut out), OK);
@@ -390,10 +395,10 @@ fn a_time_that_does_not_fit_is_a_late_cycle() {
         assert_eq!(i64::from(trueaxis_elapsed_ns(host_ns)), host_ns);
     }
     // 2^32 ns plus a period would be truncated to a period.
+    let built = mill_loop();
     for host_ns in [fits + 1, fits + 1 + i64::from(PERIOD_NS), i64::MAX, -1, -i64::from(PERIOD_NS), i64::MIN] {
         let elapsed_ns = trueaxis_elapsed_ns(host_ns);
         assert_eq!(elapsed_ns, u32::MAX, "{host_ns}");
-        let built = built(mill());
         let mut state = started(&built.servo);
         let mut out = output();
         let at = [10.0, 20.0, -200.0, 0.0, 0.0, 0.0];

@@ -91,7 +91,7 @@ fn three_axes() {
 
 #[test]
 fn three_axes_in_short() {
-    around::<3>(mill(), mill(), MILL_CENTER, if cfg!(miri) { 24 } else { 60 });
+    around::<3>(mill(), mill(), MILL_CENTER, if cfg!(miri) { 12 } else { 60 });
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn four_axes_and_six() {
 #[test]
 fn against_the_commands() {
     let cycles: usize = if cfg!(miri) { 12 } else { 4000 };
-    let (servo, core) = (built(mill()), rust_loop::<3>(mill()));
+    let (servo, core) = (mill_loop(), rust_loop::<3>(mill()));
     let (mut state, mut core_state) = (started(&servo.servo), core.start());
     let mut window = zeroed::<CommandWindow>();
     let plane = [0.0, 0.0, 1.0];

@@ -60,8 +60,9 @@ def config(kinematics, extra, limits):
     return text + extra
 
 
-def host(name, kinematics, program, extra="", limits=LIMITS, refused=False):
-    """Runs the host; returns the steps that it sends, as text, and its messages. A program that must be refused ends the host."""
+def host(name, kinematics, program, extra="", limits=LIMITS, refused=False, steps=True):
+    """Runs the host; returns the steps that it sends, as text, and its messages. A program that must be refused ends the host.
+    Without `steps`, those are not parsed."""
     cfg, ngc, sent, log = (out / f"{name}.{kind}" for kind in ("cfg", "gcode", "serial", "log"))
     log.unlink(missing_ok=True)  # the host adds to it
     cfg.write_text(config(kinematics, extra, limits))
@@ -71,12 +72,14 @@ def host(name, kinematics, program, extra="", limits=LIMITS, refused=False):
     text = run.stdout + run.stderr + (log.read_text() if log.exists() else "")
     if bool(run.returncode) != refused:
         sys.exit(f"{name}: the host ended with {run.returncode}:\n{text[-2000:]}")
+    if refused or not steps:
+        return None, text
     parse = [klippy / "parsedump.py"] if main_line else ["-m", "klippy.parsedump"]
     dump = subprocess.run([sys.executable, *parse, out / "board.dict", sent], check=True, capture_output=True, text=True).stdout
-    steps = [line for line in dump.splitlines() if any(word in line for word in ("queue_step", "set_next_step_dir", "reset_step_clock"))]
-    (out / f"{name}.steps").write_text("\n".join(steps))
+    lines = [line for line in dump.splitlines() if any(word in line for word in ("queue_step", "set_next_step_dir", "reset_step_clock"))]
+    (out / f"{name}.steps").write_text("\n".join(lines))
     # Drop the message number and time, which belong to the message and not to the step.
-    return [line.split(": ", 1)[-1] for line in steps], text
+    return [line.split(": ", 1)[-1] for line in lines], text
 
 
 def own(tables):
@@ -150,7 +153,7 @@ for kinematics in ("cartesian", "corexy"):
             sys.exit(f"{name}: needed {words!r} in\n{told[-3000:]}")
         same(f"{kinematics}, {name}", plain, steps)
     # RESTART sets up the extra again; the host then reaches the end of the program.
-    _, told = host(f"{kinematics}-restarted", kinematics, START + "RESTART\n", own(tables))
+    _, told = host(f"{kinematics}-restarted", kinematics, START + "RESTART\n", own(tables), steps=False)
     if told.count("uncompensated until homed") != 2:
         sys.exit(f"restarted: needed the extra twice in\n{told[-3000:]}")
     # After a refusal other tables can be loaded, and the refusal has no further effect.
@@ -173,7 +176,7 @@ for kinematics in ("cartesian", "corexy"):
     for with_extra, as_if in [(False, "")] + [(True, as_if) for as_if in AS_IF]:
         name, record = f"{kinematics}-probing-{'on' if with_extra else 'off'}{as_if and '-' + as_if}", out / f"{kinematics}-probing.jsonl"
         bed = f"[bed]\ncommand: {trueaxis}\nmachine: {out / 'printer'}\nfile: {record}\n"
-        _, told = host(name, kinematics, probing.program(), f"[{as_if}]\n" * bool(as_if) + probing.SECTIONS + bed + own(out / "printer.tcomp") * with_extra, limits)
+        _, told = host(name, kinematics, probing.program(), f"[{as_if}]\n" * bool(as_if) + probing.SECTIONS + bed + own(out / "printer.tcomp") * with_extra, limits, steps=False)
         found = probing.check(trueaxis, out / "printer", record)
         print(f"{name}: off by at most, in microsteps: " + ", ".join(f"{what} {off:.2f}" for what, off in found.items()))
         if not all(off < probing.ALLOWED if with_extra else off > 10 * probing.ALLOWED for off in found.values()):
@@ -184,7 +187,7 @@ for kinematics in ("cartesian", "corexy"):
         name = kinematics + (as_if and "-" + as_if)
         record, bed = out / f"{name}-zeros.jsonl", f"[bed]\ncommand: {trueaxis}\nmachine: {out / 'printer'}\nfile: {out / 'zeros-bed.jsonl'}\n"
         settings = f"[{as_if}]\n" * bool(as_if) + probing.SECTIONS + bed + f"[zero]\nfile: {record}\n" + own(out / "printer.tcomp")
-        _, told = host(f"{name}-zeros", kinematics, zeros.program(), settings, limits)
+        _, told = host(f"{name}-zeros", kinematics, zeros.program(), settings, limits, steps=False)
         found, sought = zeros.check(record)
         print(f"{name}: zeros of other axes moved by at most, in mm: " + ", ".join(f"{what} {moved:.6f}" for what, moved in found) +
               f"; the place sought is off by {sought:.4f}")
@@ -217,7 +220,7 @@ for name in ("homing_move", "stepper_positions"):
 # A calibration program with a touch probe, and its log.
 for kinematics in ("cartesian", "corexy"):
     folder, name = out / "touched", f"{kinematics}-touched"
-    _, told = host(name, kinematics, touched.program(trueaxis, folder), touched.SECTIONS)
+    _, told = host(name, kinematics, touched.program(trueaxis, folder), touched.SECTIONS, steps=False)
     for term, value, error, truth in touched.check(trueaxis, folder, out / f"{name}.log"):
         print(f"{name}: {term} found {value:.1f} for {truth:.0f}, standard error {error:.1f}")
         if abs(value - truth) > 4 * error or error > 5:
@@ -229,7 +232,7 @@ for kinematics in ("cartesian", "corexy"):
 
 # Tables that cover less than the machine's travel are reported.
 wide = {**LIMITS, "x": "position_min: 0\nposition_max: 400\n"}
-_, told = host("partial", "cartesian", START + MOVES, own(tables), wide)
+_, told = host("partial", "cartesian", START + MOVES, own(tables), wide, steps=False)
 words = "trueaxis: the tables cover X -300 to 300 of 0 to 400 mm; beyond, their value at the end holds"
 if words not in told:
     sys.exit(f"partial: needed {words!r} in\n{told[-3000:]}")

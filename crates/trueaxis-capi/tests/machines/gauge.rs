@@ -3,6 +3,7 @@
 use super::PERIOD_NS;
 use std::f64::consts::TAU;
 use std::ptr::null_mut;
+use std::sync::OnceLock;
 use trueaxis::roundness;
 use trueaxis_capi::*;
 use trueaxis_tables::Machine;
@@ -21,6 +22,12 @@ pub(crate) fn with_gauge(mut machine: Machine, points: u16) -> Vec<u8> {
         Some(roundness::InfeedSettings::with_defaults(trueaxis::Axis::X, roundness::Band { first: 2, last: 10 }));
     machine.settings.roundness = Some(settings);
     trueaxis_tables::compile(&machine).unwrap()
+}
+
+/// A three-axis machine with a gauge at its side, 512 points.
+pub(crate) fn small_gauge() -> &'static [u8] {
+    static FILE: OnceLock<Vec<u8>> = OnceLock::new();
+    FILE.get_or_init(|| with_gauge(super::small(), 512))
 }
 
 pub(crate) struct Gauges {

@@ -169,6 +169,12 @@ pub(crate) fn built(file: &[u8]) -> BuiltLoop {
     }
 }
 
+/// The loop of [`mill`], built once for all tests that only read it: Miri takes seconds for that.
+pub(crate) fn mill_loop() -> &'static BuiltLoop {
+    static BUILT: OnceLock<BuiltLoop> = OnceLock::new();
+    BUILT.get_or_init(|| built(mill()))
+}
+
 pub(crate) fn started(servo: &Loop) -> Box<State> {
     let mut state = zeroed::<State>();
     // SAFETY: all pointers and sizes match their types.

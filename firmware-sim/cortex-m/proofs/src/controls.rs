@@ -1,6 +1,6 @@
 //! Negative controls: each can panic, or needs an allocator, and must not link.
 
-use crate::symbols::Proved;
+use crate::Proved;
 
 #[cfg(feature = "variable-index")]
 #[unsafe(no_mangle)]

@@ -3,7 +3,7 @@
 //! Telemetry frames are not among them: the decoders of COBS and postcard do not link, as the compiler cannot prove their
 //! bounds.
 
-use crate::symbols::Proved;
+use crate::Proved;
 use trueaxis::Row;
 use trueaxis::learned::{Learned, LearnedError};
 use trueaxis::tcomp::TableData;

@@ -2,6 +2,7 @@
 //!
 //! Single precision with positions in nanometres, or doubles with the feature `double`.
 
+use crate::Proved;
 use trueaxis::contour::{CommandWindow, OrientationError, Path, Reference, ToolPath};
 use trueaxis::exchange::Exchange;
 use trueaxis::kinematics::{BranchTracker, Kinematics, Tool};
@@ -113,12 +114,6 @@ pub fn proved_take_into(
 ) -> Option<&'static Loop<3>> {
     exchange.take_into(active)
 }
-
-/// One pointer to a function.
-#[derive(Clone, Copy)]
-pub struct Proved(#[allow(dead_code, reason = "it is there to be pointed to")] pub *const ());
-// SAFETY: an address, never dereferenced.
-unsafe impl Sync for Proved {}
 
 /// All of them.
 pub static TABLE: [Proved; 7] = [
