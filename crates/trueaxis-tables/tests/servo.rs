@@ -101,7 +101,7 @@ fn every_key_arrives_in_its_unit() {
         })
     );
     let limits = Limits { magnitude: 0.04, slope_per_s: 0.8, acceleration_per_s2: 150.0 };
-    assert_eq!(x.dynamic, Some(DynamicSettings { limits, lag: true, acceleration: true, take_up: true }));
+    assert_eq!(x.dynamic, Some(DynamicSettings { limits, lag: true, acceleration: true, take_up: true, lag_s: 0.0 }));
     // Missing keys have their defaults.
     let drive = z.drive.unwrap();
     assert_eq!((drive.velocity_feed_forward, drive.current_loop_s, drive.dead_time_s), (0.0, 0.00025, 0.0));
@@ -110,7 +110,10 @@ fn every_key_arrives_in_its_unit() {
     assert_eq!((friction.coulomb_per_s, friction.presliding), (0.2, 70e-6_f64.to_degrees()));
     assert_eq!((friction.stribeck_velocity_per_s, friction.stribeck_share, friction.lead_s), (3.0, 0.0, 0.0));
     let limits = Limits { magnitude: 900e-6_f64.to_degrees(), slope_per_s: 2.0, acceleration_per_s2: 250.0 };
-    assert_eq!(c.dynamic, Some(DynamicSettings { limits, lag: false, acceleration: false, take_up: false }));
+    assert_eq!(
+        c.dynamic,
+        Some(DynamicSettings { limits, lag: false, acceleration: false, take_up: false, lag_s: 0.0 })
+    );
     let max_feed_per_s = 9100.0 / 60.0;
     assert_eq!(
         machine.settings.contour.feedback,
@@ -138,8 +141,13 @@ fn defaults_are_those_stated() {
     let machine = read(&format!("{head}[axis.C.drive]{tail}{crosstalk}")).unwrap();
     let of = |axis| machine.settings.axis(axis).unwrap().servo.dynamic.unwrap();
     let limits = |magnitude| Limits { magnitude, slope_per_s: 5.0, acceleration_per_s2: 5000.0 };
-    let off =
-        |magnitude| DynamicSettings { limits: limits(magnitude), lag: false, acceleration: false, take_up: false };
+    let off = |magnitude| DynamicSettings {
+        limits: limits(magnitude),
+        lag: false,
+        acceleration: false,
+        take_up: false,
+        lag_s: 0.0,
+    };
     assert_eq!(of(Axis::X), off(0.05));
     assert_eq!(of(Axis::C), off(1000e-6_f64.to_degrees()));
     let feedback =
