@@ -345,3 +345,50 @@ fn gains_are_refused_with_the_largest_permitted_ones() {
         }
     }
 }
+
+/// Three axes whose gains are 3 % apart, with the same standard uncertainty of K_v.
+fn three_drives(uncertainty: &str) -> Machine {
+    let axes = [("X", 100.0), ("Y", 103.0), ("Z", 97.0)].map(|(axis, gain)| {
+        format!(
+            "[axis.{axis}.drive]\nposition_gain_per_s = {gain}\nvelocity_gain_per_s = 800\nreset_time_s = 0.006\n\
+             velocity_feed_forward = 0.9\n[axis.{axis}.drive.uncertainty]\n{uncertainty}\n[axis.{axis}.dynamic]\nlag = true\n"
+        )
+    });
+    let mut files = Memory::default();
+    files.insert("machine.toml", format!("name = \"m\"\nchain = \"w X' Y' b Z t\"\n{}", axes.concat()));
+    Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap()
+}
+
+#[test]
+fn drives_that_their_uncertainty_does_not_tell_apart_compensate_one_lag() {
+    let lags = |machine: &Machine| -> Vec<f64> {
+        machine.settings.axes.iter().map(|axis| axis.servo.dynamic.unwrap().lag_s).collect()
+    };
+    // u(L) = 3 % of L: chi-squared of 2; the quantile of two degrees of freedom is 5.99.
+    let common = three_drives("position_gain_per_s = 3");
+    let own = [100.0, 103.0, 97.0].map(|gain: f64| 0.1 / gain);
+    let weights = [100.0, 103.0, 97.0].map(|gain: f64| (gain * gain).powi(2));
+    let mean = own.iter().zip(weights).map(|(lag, weight)| lag * weight).sum::<f64>() / weights.iter().sum::<f64>();
+    assert!(lags(&common).iter().all(|lag| (lag - mean).abs() < 1e-12), "{:?} {mean}", lags(&common));
+    // 1 %: chi-squared of 18. Not stated: taken as exact.
+    assert_eq!(lags(&three_drives("position_gain_per_s = 1")), [0.0; 3]);
+    assert_eq!(lags(&three_drives("reset_time_s = 0.001")), [0.0; 3]);
+    // The controller gets it, in version 7 of the format.
+    let bytes = trueaxis_tables::compile(&common).unwrap();
+    assert_eq!(bytes[8..10], [7, 0]);
+    assert_eq!(trueaxis::tcomp::Tcomp::parse(&bytes).unwrap().settings(), &common.settings);
+}
+
+#[test]
+fn the_check_tells_the_feed_at_which_lag_meets_its_limit() {
+    let machine = three_drives("position_gain_per_s = 1");
+    let needs = trueaxis_tables::dynamic_needs(&machine);
+    // 50 µm over 1 ms.
+    let feed = needs[0].lag_meets_limit_at_feed_per_min.unwrap();
+    assert!((feed - 3000.0).abs() < 1e-6, "{feed}");
+    let needed = needs[0].lag_needs_micro.unwrap();
+    assert!((needed - needs[0].max_feed_per_min / 60.0).abs() < 1e-6, "{needs:?}");
+    let warnings: Vec<String> = trueaxis_tables::check(&machine, 1e4).iter().map(ToString::to_string).collect();
+    let expected = "axis X: lag meets the magnitude limit of the dynamic correction at 3000 mm/min and needs";
+    assert!(warnings.iter().any(|warning| warning.starts_with(expected)), "{warnings:?}");
+}

@@ -78,8 +78,8 @@ fn on_a_line_with_equal_drives_a_bound_correction_stays_parallel_to_the_path() {
                 (largest, off) = (largest.max(along.abs()), off.max(across));
                 assert!(parts.sent.iter().all(|d| d.abs() <= 0.05 * (1.0 + 1e-9)), "{parts:?}");
             }
-            // While an axis brakes or starts, its limiter rounds the corner of d by itself, for a millisecond.
-            assert!(off < 2e-3, "{share} {speed}: {off}");
+            // While an axis brakes or starts, its limiter rounds the corner of d by itself, for some milliseconds.
+            assert!(off < 4e-3, "{share} {speed}: {off}");
             let lag = (1.0 - share) * speed * SLOPING[0] / DRIVE.position_gain_per_s;
             if lag > 0.06 {
                 assert!((largest - 0.05 / SLOPING[0]).abs() < 5e-3, "{share} {speed}: {largest}");
@@ -134,8 +134,10 @@ proptest! {
             let t = T * f64::from(k);
             let (out, back) = (distance(t, 30.0, speed, acceleration), distance(t - end, 30.0, speed, acceleration));
             let back = if t < end { 0.0 } else { back };
-            let command = [out, back * turned.cos() + 10.0, back * turned.sin() + 10.0];
-            let sent = servo.step(&mut state, &input(command), (), ()).record.dynamic.unwrap().sent;
+            let command = [out, back * turned.cos() + 50.0, back * turned.sin() + 50.0];
+            let record = servo.step(&mut state, &input(command), (), ()).record;
+            prop_assert_eq!(record.fault, crate::error::Fault::None);
+            let sent = record.dynamic.unwrap().sent;
             for axis in 0..3 {
                 let (now, [last, earlier]) = (sent[axis], [before[0][axis], before[1][axis]]);
                 prop_assert!(now.abs() <= 0.05 * (1.0 + 1e-9));
