@@ -354,8 +354,8 @@ fn three_drives(uncertainty: &str) -> Machine {
              velocity_feed_forward = 0.9\n[axis.{axis}.drive.uncertainty]\n{uncertainty}\n[axis.{axis}.dynamic]\nlag = true\n"
         )
     });
-    let mut files = Memory::default();
-    files.insert("machine.toml", format!("name = \"m\"\nchain = \"w X' Y' b Z t\"\n{}", axes.concat()));
+    let text = format!("name = \"m\"\nchain = \"w X' Y' b Z t\"\n{}", axes.concat());
+    let files = Memory::new([("machine.toml", text.as_str())]);
     Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap()
 }
 

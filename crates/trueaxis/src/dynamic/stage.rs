@@ -101,9 +101,11 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             let own = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
             // If it is too slow for the scalar to represent: as fast as the axis may.
             let slow = Limiter::new(&ramp_limits(settings, &dynamic), period_s).unwrap_or(own);
+            // So that rounding carries no wanted correction beyond its limit.
+            let inside = R::of(1.0 - 16.0 * R::EPSILON.to_f64());
             let room = Room {
-                magnitude: limiter.magnitude(),
-                whole: own.magnitude(),
+                magnitude: limiter.magnitude() * inside,
+                whole: own.magnitude() * inside,
                 slope: limiter.slope().min(own.slope()),
             };
             let (takes_up, is_linear, shares) = (dynamic.take_up, !settings.axis.is_rotary(), common::shares(settings));

@@ -126,6 +126,8 @@ proptest! {
         for (k, drive) in drives.iter_mut().enumerate() {
             (drive.velocity_feed_forward, drive.position_gain_per_s) = (shares[k], gains[k]);
         }
+        // Both ramps fit on the line.
+        let speed = speed.min((30.0 * acceleration).sqrt());
         let servo = machine_with(drives, 0.05);
         let (mut state, mut before) = (servo.start(), [[0.0_f64; 3]; 2]);
         let end = 30.0 / speed + speed / acceleration + 0.02;
