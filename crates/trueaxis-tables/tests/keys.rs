@@ -44,6 +44,7 @@ stribeck_velocity_mm_per_s = 2
 viscous = 0.004
 lead_s = 0
 [axis.X.dynamic]
+lag_s = 0.0
 magnitude_um = 40
 slope_mm_per_s = 1
 acceleration_mm_per_s2 = 90
@@ -82,6 +83,7 @@ stribeck_velocity_deg_per_s = 2
 viscous = 0.004
 lead_s = 0
 [axis.C.dynamic]
+lag_s = 0.0
 magnitude_urad = 40
 slope_deg_per_s = 1
 acceleration_deg_per_s2 = 90
