@@ -7,8 +7,8 @@ use std::path::Path;
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::files::Source;
-use trueaxis_tables::{FeedbackMargins, LostMotion, Machine, Summary, Warning};
-use trueaxis_tables::{build, check, compile, feedback_margins, lost_motion, summary};
+use trueaxis_tables::{DynamicNeed, FeedbackMargins, LostMotion, Machine, Summary, Warning};
+use trueaxis_tables::{build, check, compile, dynamic_needs, feedback_margins, lost_motion, summary};
 
 /// Refuses a servo rate that no controller has, Hz.
 ///
@@ -42,6 +42,8 @@ pub struct Findings {
     pub lost_motion: Vec<LostMotion>,
     /// Margins of the contour feedback.
     pub margins: Vec<FeedbackMargins>,
+    /// What the parts of the dynamic correction need.
+    pub dynamic_needs: Vec<DynamicNeed>,
     /// The compiled file in figures.
     pub summary: Summary,
 }
@@ -52,6 +54,7 @@ pub fn findings(machine: &Machine, tables: &Tcomp<'_>, rate_hz: f64) -> Findings
         warnings: check(machine, rate_hz),
         lost_motion: lost_motion(machine),
         margins: feedback_margins(machine, rate_hz),
+        dynamic_needs: dynamic_needs(machine),
         summary: summary(tables),
     }
 }
@@ -67,6 +70,8 @@ pub struct CheckDocument {
     pub lost_motion: Vec<Lost>,
     /// Margins of the contour feedback.
     pub feedback_margins: Vec<FeedbackMargins>,
+    /// What the parts of the dynamic correction need of its magnitude limit.
+    pub dynamic_needs: Vec<DynamicNeed>,
     /// The compiled file in figures.
     pub summary: Summary,
 }
@@ -78,6 +83,7 @@ impl From<Findings> for CheckDocument {
             warnings: found.warnings.iter().map(ToString::to_string).collect(),
             lost_motion: found.lost_motion.iter().map(Lost::from).collect(),
             feedback_margins: found.margins,
+            dynamic_needs: found.dynamic_needs,
             summary: found.summary,
         }
     }

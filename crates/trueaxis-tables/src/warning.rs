@@ -1,5 +1,6 @@
 //! Warnings about settings that work, but not as well as they should.
 
+use crate::dynamic_needs::lag_beyond;
 use crate::lost_motion::{LostMotion, SWIFT_S, lost_motion};
 use crate::rates::{DriveRate, drive_rate};
 use crate::{Grid, Machine};
@@ -89,6 +90,16 @@ pub enum Warning {
         nodes: [f64; 2],
         /// Declared travel, mm.
         travel: [f64; 2],
+    },
+    /// Below the declared feed the lag asks for more than the magnitude of the dynamic correction: from there on the axes
+    /// keep a common part of their lag.
+    LagAboveLimit {
+        /// The axis.
+        axis: Axis,
+        /// Magnitude that lag needs at the declared feed, mm.
+        needed: f64,
+        /// Feed at which it meets the limit, mm/s.
+        feed: f64,
     },
     /// The limits ramp the correction of lost motion in slowly.
     SlowRampIn(LostMotion),
@@ -226,6 +237,15 @@ impl fmt::Display for Warning {
                      them the edge value is used"
                 )
             }
+            Warning::LagAboveLimit { axis, needed, feed } => {
+                let (letter, unit, needed) = (axis.letter(), unit(axis), Length { axis, value: needed });
+                write!(
+                    f,
+                    "axis {letter}: lag meets the magnitude limit of the dynamic correction at {:.0} {unit}/min and needs \
+                     {needed} at the declared feed; above that feed all axes keep a common part of their lag, along the path",
+                    feed * 60.0
+                )
+            }
             Warning::SlowRampIn(lost) => {
                 write!(f, "{lost}; higher limits of slope and acceleration would take less than {} ms", SWIFT_S * 1e3)
             }
@@ -267,6 +287,12 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
         }
     }
     warnings.extend(lost_motion(machine).into_iter().filter(|lost| lost.ramp_in_s > SWIFT_S).map(Warning::SlowRampIn));
+    let beyond = lag_beyond(machine);
+    warnings.extend(beyond.map(|lag| Warning::LagAboveLimit {
+        axis: lag.axis,
+        needed: lag.needed,
+        feed: lag.feed_per_s,
+    }));
     for (settings, table) in machine.axes() {
         let axis = settings.axis;
         let open = AxisSettings::with_defaults(axis, false).travel;

@@ -44,6 +44,7 @@ stribeck_velocity_mm_per_s = 2
 viscous = 0.004
 lead_s = 0
 [axis.X.dynamic]
+lag_s = 0.0
 magnitude_um = 40
 slope_mm_per_s = 1
 acceleration_mm_per_s2 = 90
@@ -82,6 +83,7 @@ stribeck_velocity_deg_per_s = 2
 viscous = 0.004
 lead_s = 0
 [axis.C.dynamic]
+lag_s = 0.0
 magnitude_urad = 40
 slope_deg_per_s = 1
 acceleration_deg_per_s2 = 90
@@ -235,6 +237,7 @@ const WRONG: &[(&str, &str)] = &[
     ("axis.X.dynamic.acceleration_mm_per_s2", "0"),
     ("axis.X.dynamic.lag", "1"),
     ("axis.X.dynamic.acceleration", "0"),
+    ("axis.X.dynamic.lag_s", "-0.001"),
     ("axis.C.drive.position_gain_per_s", "0"),
     ("axis.C.drive.velocity_gain_per_s", "0"),
     ("axis.C.drive.reset_time_s", "0"),
@@ -252,6 +255,7 @@ const WRONG: &[(&str, &str)] = &[
     ("axis.C.dynamic.acceleration_deg_per_s2", "0"),
     ("axis.C.dynamic.lag", "1"),
     ("axis.C.dynamic.acceleration", "0"),
+    ("axis.C.dynamic.lag_s", "-0.001"),
     ("contour.feedback.proportional", "20"),
     ("contour.feedback.integral_per_s", "-1"),
     ("contour.feedback.max_feed_mm_per_min", "0"),

@@ -101,7 +101,7 @@ fn every_key_arrives_in_its_unit() {
         })
     );
     let limits = Limits { magnitude: 0.04, slope_per_s: 0.8, acceleration_per_s2: 150.0 };
-    assert_eq!(x.dynamic, Some(DynamicSettings { limits, lag: true, acceleration: true, take_up: true }));
+    assert_eq!(x.dynamic, Some(DynamicSettings { limits, lag: true, acceleration: true, take_up: true, lag_s: 0.0 }));
     // Missing keys have their defaults.
     let drive = z.drive.unwrap();
     assert_eq!((drive.velocity_feed_forward, drive.current_loop_s, drive.dead_time_s), (0.0, 0.00025, 0.0));
@@ -110,7 +110,10 @@ fn every_key_arrives_in_its_unit() {
     assert_eq!((friction.coulomb_per_s, friction.presliding), (0.2, 70e-6_f64.to_degrees()));
     assert_eq!((friction.stribeck_velocity_per_s, friction.stribeck_share, friction.lead_s), (3.0, 0.0, 0.0));
     let limits = Limits { magnitude: 900e-6_f64.to_degrees(), slope_per_s: 2.0, acceleration_per_s2: 250.0 };
-    assert_eq!(c.dynamic, Some(DynamicSettings { limits, lag: false, acceleration: false, take_up: false }));
+    assert_eq!(
+        c.dynamic,
+        Some(DynamicSettings { limits, lag: false, acceleration: false, take_up: false, lag_s: 0.0 })
+    );
     let max_feed_per_s = 9100.0 / 60.0;
     assert_eq!(
         machine.settings.contour.feedback,
@@ -138,8 +141,13 @@ fn defaults_are_those_stated() {
     let machine = read(&format!("{head}[axis.C.drive]{tail}{crosstalk}")).unwrap();
     let of = |axis| machine.settings.axis(axis).unwrap().servo.dynamic.unwrap();
     let limits = |magnitude| Limits { magnitude, slope_per_s: 5.0, acceleration_per_s2: 5000.0 };
-    let off =
-        |magnitude| DynamicSettings { limits: limits(magnitude), lag: false, acceleration: false, take_up: false };
+    let off = |magnitude| DynamicSettings {
+        limits: limits(magnitude),
+        lag: false,
+        acceleration: false,
+        take_up: false,
+        lag_s: 0.0,
+    };
     assert_eq!(of(Axis::X), off(0.05));
     assert_eq!(of(Axis::C), off(1000e-6_f64.to_degrees()));
     let feedback =
@@ -336,4 +344,51 @@ fn gains_are_refused_with_the_largest_permitted_ones() {
             }
         }
     }
+}
+
+/// Three axes whose gains are 3 % apart, with the same standard uncertainty of K_v.
+fn three_drives(uncertainty: &str) -> Machine {
+    let axes = [("X", 100.0), ("Y", 103.0), ("Z", 97.0)].map(|(axis, gain)| {
+        format!(
+            "[axis.{axis}.drive]\nposition_gain_per_s = {gain}\nvelocity_gain_per_s = 800\nreset_time_s = 0.006\n\
+             velocity_feed_forward = 0.9\n[axis.{axis}.drive.uncertainty]\n{uncertainty}\n[axis.{axis}.dynamic]\nlag = true\n"
+        )
+    });
+    let text = format!("name = \"m\"\nchain = \"w X' Y' b Z t\"\n{}", axes.concat());
+    let files = Memory::new([("machine.toml", text.as_str())]);
+    Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap()
+}
+
+#[test]
+fn drives_that_their_uncertainty_does_not_tell_apart_compensate_one_lag() {
+    let lags = |machine: &Machine| -> Vec<f64> {
+        machine.settings.axes.iter().map(|axis| axis.servo.dynamic.unwrap().lag_s).collect()
+    };
+    // u(L) = 3 % of L: chi-squared of 2; the quantile of two degrees of freedom is 5.99.
+    let common = three_drives("position_gain_per_s = 3");
+    let own = [100.0, 103.0, 97.0].map(|gain: f64| 0.1 / gain);
+    let weights = [100.0, 103.0, 97.0].map(|gain: f64| (gain * gain).powi(2));
+    let mean = own.iter().zip(weights).map(|(lag, weight)| lag * weight).sum::<f64>() / weights.iter().sum::<f64>();
+    assert!(lags(&common).iter().all(|lag| (lag - mean).abs() < 1e-12), "{:?} {mean}", lags(&common));
+    // 1 %: chi-squared of 18. Not stated: taken as exact.
+    assert_eq!(lags(&three_drives("position_gain_per_s = 1")), [0.0; 3]);
+    assert_eq!(lags(&three_drives("reset_time_s = 0.001")), [0.0; 3]);
+    // The controller gets it, in version 7 of the format.
+    let bytes = trueaxis_tables::compile(&common).unwrap();
+    assert_eq!(bytes[8..10], [7, 0]);
+    assert_eq!(trueaxis::tcomp::Tcomp::parse(&bytes).unwrap().settings(), &common.settings);
+}
+
+#[test]
+fn the_check_tells_the_feed_at_which_lag_meets_its_limit() {
+    let machine = three_drives("position_gain_per_s = 1");
+    let needs = trueaxis_tables::dynamic_needs(&machine);
+    // 50 µm over 1 ms.
+    let feed = needs[0].lag_meets_limit_at_feed_per_min.unwrap();
+    assert!((feed - 3000.0).abs() < 1e-6, "{feed}");
+    let needed = needs[0].lag_needs_micro.unwrap();
+    assert!((needed - needs[0].max_feed_per_min / 60.0).abs() < 1e-6, "{needs:?}");
+    let warnings: Vec<String> = trueaxis_tables::check(&machine, 1e4).iter().map(ToString::to_string).collect();
+    let expected = "axis X: lag meets the magnitude limit of the dynamic correction at 3000 mm/min and needs";
+    assert!(warnings.iter().any(|warning| warning.starts_with(expected)), "{warnings:?}");
 }

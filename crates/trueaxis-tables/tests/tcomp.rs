@@ -173,7 +173,7 @@ fn servo_settings_are_where_documented() {
         viscous: 0.004,
         lead_s: 2e-4,
     });
-    x.dynamic = Some(DynamicSettings { limits, lag: true, acceleration: false, take_up: true });
+    x.dynamic = Some(DynamicSettings { limits, lag: true, acceleration: false, take_up: true, lag_s: 0.0 });
     machine.settings.contour.feedback =
         Some(FeedbackSettings { proportional: 0.25, integral_per_s: 8.0, max_feed_per_s: 150.0, watch_mm: 0.02 });
     let points = [[0.0, 1e-6], [300.0, 2e-6]].into_iter().collect();

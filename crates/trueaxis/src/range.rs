@@ -157,6 +157,8 @@ pub const RESET_TIME: Range = Range::new(1e-5, 1e3, "a time of 0.00001 to 1000 s
 pub const CURRENT_LOOP: Range = Range::new(1e-6, 0.1, "a time of 1e-6 to 0.1 s");
 /// Dead time of a drive, and the lead of a friction model.
 pub const DEAD_TIME: Range = Range::new(0.0, 0.1, "a time of 0 to 0.1 s");
+/// Lag that all axes compensate in common: that of the slowest position loop at most.
+pub const COMMON_LAG: Range = Range::new(0.0, 10.0, "a lag of 0 to 10 s");
 /// Share of a velocity that is fed forward.
 pub const SHARE: Range = Range::new(0.0, 1.0, "a share of 0 to 1");
 /// Coulomb friction over the gain of the velocity loop: a velocity.

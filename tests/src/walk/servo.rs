@@ -33,7 +33,7 @@ pub(super) fn configure(dice: &mut Dice, machine: &mut MachineSettings) {
             };
             let [lag, acceleration, take_up] = [(); 3].map(|()| dice.one_in(2));
             let limits = if dice.one_in(3) { default.limits } else { limits };
-            servo.dynamic = Some(DynamicSettings { limits, lag, acceleration, take_up });
+            servo.dynamic = Some(DynamicSettings { limits, lag, acceleration, take_up, lag_s: 0.0 });
         }
     }
     if feedback {

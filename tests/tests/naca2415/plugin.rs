@@ -66,7 +66,7 @@ pub(crate) fn machine(gains: Option<Gains>, feed_forward: Option<Off>) -> Machin
                 viscous: cascade.viscous / cascade.velocity_gain * off.friction,
                 lead_s: 0.0,
             }),
-            dynamic: Some(DynamicSettings { limits, lag: on, acceleration: on, take_up: false }),
+            dynamic: Some(DynamicSettings { limits, lag: on, acceleration: on, take_up: false, lag_s: 0.0 }),
         };
     });
     configured

@@ -18,13 +18,16 @@ pub(super) fn check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
         // Converting to a `Value` sorts the document's keys alphabetically.
         return json(&serde_json::to_value(CheckDocument::from(found))?);
     }
-    let Findings { warnings, lost_motion, margins, summary } = found;
+    let Findings { warnings, lost_motion, margins, dynamic_needs, summary } = found;
     print(&format!("{summary}\n"))?;
     for lost in &lost_motion {
         print(&format!("{lost}\n"))?;
     }
     for margins in &margins {
         print(&format!("{margins}\n"))?;
+    }
+    for need in &dynamic_needs {
+        print(&format!("{need}\n"))?;
     }
     for warning in &warnings {
         report_line(format_args!("warning: {warning}"));

@@ -28,7 +28,7 @@ pub fn configured(mut machine: Machine, found: &[Identified; 2]) -> Machine {
         }
         let limits = own.servo.dynamic.unwrap_or(DynamicSettings::with_defaults(own.axis)).limits;
         own.servo.dynamic =
-            identified.map(|_| DynamicSettings { limits, lag: false, acceleration: false, take_up: false });
+            identified.map(|_| DynamicSettings { limits, lag: false, acceleration: false, take_up: false, lag_s: 0.0 });
     }
     machine.settings.contour.feedback = None;
     machine.settings.crosstalk.clear();

@@ -47,6 +47,7 @@ pub(super) fn axis(text: &mut String, own: &AxisSettings) {
         for (key, on) in [("lag", dynamic.lag), ("acceleration", dynamic.acceleration), ("take_up", dynamic.take_up)] {
             lines.put(key, on);
         }
+        lines.number("lag_s", dynamic.lag_s, 0.0);
         section(text, &format!("{name}.dynamic"), &lines.0);
     }
 }

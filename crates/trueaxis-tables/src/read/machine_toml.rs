@@ -1,5 +1,6 @@
 //! `machine.toml`: keys, units and defaults.
 
+use super::common_lag::{self, DriveUncertainty};
 use super::grid_toml::GridReference;
 use super::keys::Keys;
 use super::section::{KeyValue, Section};
@@ -66,18 +67,20 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
     root.store_all(&mut settings.tool_mm, "tool_mm")?;
     root.store(&mut settings.reference_temperature_c, "reference_temperature_c", same)?;
 
-    let (mut tables, mut uncertain) = (Vec::new(), Vec::new());
+    let (mut tables, mut uncertain, mut drives) = (Vec::new(), Vec::new(), Vec::new());
     let sections = root.section("axis")?;
     for axis in Axis::ALL {
         let Some(link) = links.iter().find(|link| link.axis == axis) else { continue };
         let mut of_axis = AxisSettings::with_defaults(axis, link.carries_workpiece);
         let letter = axis.letter().to_string();
         if let Some(section) = sections.as_ref().map(|axes| axes.section(&letter)).transpose()?.flatten() {
-            let (table, own) = read_axis(section, &mut of_axis)?;
+            let (table, own, drive) = read_axis(section, &mut of_axis)?;
             tables.extend(table);
             uncertain.push(own);
+            drives.push(drive);
         } else {
             uncertain.push(AxisUncertainty::unstated(axis));
+            drives.push(DriveUncertainty::default());
         }
         // At most six letters, each once.
         let _ = settings.axes.push(of_axis);
@@ -86,6 +89,7 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
         let letters: Vec<String> = links.iter().map(|link| link.axis.letter().to_string()).collect();
         sections.finish(Some(&format!("an axis of the chain ({})", letters.join(" "))))?;
     }
+    common_lag::apply(&mut settings, &drives);
     if let Some(section) = root.section("location")? {
         read_location(section, &mut settings)?;
     }
@@ -127,7 +131,7 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
 fn read_axis(
     section: Section<'_>,
     settings: &mut AxisSettings,
-) -> Result<(Option<TableReference>, AxisUncertainty), FileError> {
+) -> Result<(Option<TableReference>, AxisUncertainty, DriveUncertainty), FileError> {
     let axis = settings.axis;
     let rotary = axis.is_rotary();
     let unit = if rotary { "deg" } else { "mm" };
@@ -182,12 +186,13 @@ fn read_axis(
         let [low, high] = settings.travel;
         settings.joint = [low - settings.limits.magnitude, high + settings.limits.magnitude];
     }
-    settings.servo = super::servo_toml::read_axis(&section, axis)?;
+    let (servo, drive) = super::servo_toml::read_axis(&section, axis)?;
+    settings.servo = servo;
     let uncertainty = super::uncertainty_toml::read_axis(&section, axis)?;
     section.finish(None)?;
     let table =
         table.map(|KeyValue { value, line, key, .. }| TableReference { axis, file: value.to_owned(), line, key });
-    Ok((table, uncertainty))
+    Ok((table, uncertainty, drive))
 }
 
 fn read_location(section: Section<'_>, settings: &mut MachineSettings) -> Result<(), FileError> {

@@ -1,6 +1,7 @@
 //! Reads a machine: `machine.toml` and the CSV of each axis.
 
 mod axis_table;
+mod common_lag;
 mod crosstalk_toml;
 pub(crate) mod grid_table;
 pub(crate) mod grid_toml;

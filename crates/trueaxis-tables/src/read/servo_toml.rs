@@ -1,7 +1,8 @@
 //! `[axis.*.drive]`, `[axis.*.friction]`, `[axis.*.dynamic]` and `[contour.feedback]` of `machine.toml`.
 
+use super::common_lag::DriveUncertainty;
 use super::section::Section;
-use super::uncertainty_toml::uncertainties_are_sound;
+use super::uncertainty_toml::uncertainties_of;
 use super::units::{degrees_from_urad, from_um, per_second, same};
 use crate::error::FileError;
 use trueaxis::machine::{Axis, AxisServo, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings};
@@ -27,16 +28,16 @@ fn required(section: &Section<'_>, key: &str, needed: &str) -> Result<f64, FileE
     Ok(section.number(key)?.ok_or_else(|| section.missing(key, needed))?.value)
 }
 
-/// Reads those sections of an axis that it has.
-pub(super) fn read_axis(section: &Section<'_>, axis: Axis) -> Result<AxisServo, FileError> {
+/// Reads those sections of an axis that it has, and how well the drive's figures are known.
+pub(super) fn read_axis(section: &Section<'_>, axis: Axis) -> Result<(AxisServo, DriveUncertainty), FileError> {
     let units = Units::of(axis);
-    let drive = section.section("drive")?.map(read_drive).transpose()?;
+    let (drive, uncertain) = section.section("drive")?.map(read_drive).transpose()?.unzip();
     let friction = section.section("friction")?.map(|friction| read_friction(friction, &units)).transpose()?;
     let dynamic = section.section("dynamic")?.map(|dynamic| read_dynamic(dynamic, axis, &units)).transpose()?;
-    Ok(AxisServo { drive, friction, dynamic })
+    Ok((AxisServo { drive, friction, dynamic }, uncertain.unwrap_or_default()))
 }
 
-fn read_drive(section: Section<'_>) -> Result<DriveFigures, FileError> {
+fn read_drive(section: Section<'_>) -> Result<(DriveFigures, DriveUncertainty), FileError> {
     let mut drive = DriveFigures::with_defaults(
         required(&section, "position_gain_per_s", "the gain K_v of the position loop, 1/s")?,
         required(&section, "velocity_gain_per_s", "the gain K_vp of the velocity loop, 1/s")?,
@@ -45,12 +46,12 @@ fn read_drive(section: Section<'_>) -> Result<DriveFigures, FileError> {
     section.store(&mut drive.velocity_feed_forward, "velocity_feed_forward", same)?;
     section.store(&mut drive.current_loop_s, "current_loop_s", same)?;
     section.store(&mut drive.dead_time_s, "dead_time_s", same)?;
-    uncertainties_are_sound(
+    let [position_gain_per_s, velocity_feed_forward, ..] = uncertainties_of(
         &section,
-        &["position_gain_per_s", "velocity_gain_per_s", "reset_time_s", "velocity_feed_forward", "dead_time_s"],
+        ["position_gain_per_s", "velocity_feed_forward", "velocity_gain_per_s", "reset_time_s", "dead_time_s"],
     )?;
     section.finish(None)?;
-    Ok(drive)
+    Ok((drive, DriveUncertainty { position_gain_per_s, velocity_feed_forward }))
 }
 
 fn read_friction(section: Section<'_>, units: &Units) -> Result<FrictionSettings, FileError> {
@@ -65,7 +66,7 @@ fn read_friction(section: Section<'_>, units: &Units) -> Result<FrictionSettings
     section.store(&mut friction.lead_s, "lead_s", same)?;
     let [coulomb, presliding, velocity] =
         [format!("coulomb_{unit}_per_s"), format!("presliding_{micro}"), format!("stribeck_velocity_{unit}_per_s")];
-    uncertainties_are_sound(&section, &[&coulomb, &presliding, "stribeck_share", &velocity, "viscous"])?;
+    uncertainties_of(&section, [&coulomb, &presliding, "stribeck_share", &velocity, "viscous"])?;
     section.finish(None)?;
     Ok(friction)
 }
@@ -82,6 +83,7 @@ fn read_dynamic(section: Section<'_>, axis: Axis, units: &Units) -> Result<Dynam
     {
         *to = section.boolean(key)?.unwrap_or(*to);
     }
+    section.store(&mut dynamic.lag_s, "lag_s", same)?;
     section.finish(None)?;
     Ok(dynamic)
 }

@@ -63,14 +63,16 @@ fn degrees(section: &Section<'_>, key: &str) -> Result<Option<f64>, FileError> {
     Ok(Some(found.value))
 }
 
-/// Checks the `uncertainty` of a section with these figures. Only the decision on a later measurement uses its values.
-pub(super) fn uncertainties_are_sound(figures: &Section<'_>, keys: &[&str]) -> Result<(), FileError> {
-    let Some(section) = figures.section("uncertainty")? else { return Ok(()) };
-    for key in keys {
-        stated(&section, key, &SERVO, same)?;
+/// Reads the `uncertainty` of a section with these figures, in their order; 0: not stated.
+pub(super) fn uncertainties_of<const N: usize>(figures: &Section<'_>, keys: [&str; N]) -> Result<[f64; N], FileError> {
+    let mut found = [0.0; N];
+    let Some(section) = figures.section("uncertainty")? else { return Ok(found) };
+    for (to, key) in found.iter_mut().zip(keys) {
+        *to = stated(&section, key, &SERVO, same)?.unwrap_or(0.0);
     }
     degrees_of_freedom(&section)?;
-    section.finish(None)
+    section.finish(None)?;
+    Ok(found)
 }
 
 /// Instrument and location errors of the machine with these axes, without the sections of the axes.

@@ -7,10 +7,10 @@ use crate::machine::{
     MachineSettings, ThermalGrowth,
 };
 use crate::range::{
-    ACCELERATION, BACKLASH, COULOMB, CROSSTALK, CURRENT_LOOP, DEAD_TIME, ENCODER_STEP, EXPANSION, FADE, FEED,
-    FEEDBACK_GAIN, FEEDBACK_INTEGRAL, HYSTERESIS, JOINT, JUMP_FACTOR, LAG, LENGTH, MAGNITUDE, PLAUSIBLE, POSITION,
-    POSITION_GAIN, PRESLIDING, RESET_TIME, ROTATION, SHARE, SINGULAR_CONE, SLOPE, STRIBECK_SHARE, STRIBECK_VELOCITY,
-    TEMPERATURE, THERMAL_OFFSET, TOOL_AXIS, TRANSLATION, VELOCITY_GAIN, VISCOUS, WATCH,
+    ACCELERATION, BACKLASH, COMMON_LAG, COULOMB, CROSSTALK, CURRENT_LOOP, DEAD_TIME, ENCODER_STEP, EXPANSION, FADE,
+    FEED, FEEDBACK_GAIN, FEEDBACK_INTEGRAL, HYSTERESIS, JOINT, JUMP_FACTOR, LAG, LENGTH, MAGNITUDE, PLAUSIBLE,
+    POSITION, POSITION_GAIN, PRESLIDING, RESET_TIME, ROTATION, SHARE, SINGULAR_CONE, SLOPE, STRIBECK_SHARE,
+    STRIBECK_VELOCITY, TEMPERATURE, THERMAL_OFFSET, TOOL_AXIS, TRANSLATION, VELOCITY_GAIN, VISCOUS, WATCH,
 };
 
 /// Checks every scalar of a machine; [`gauge`] checks the gauge's. A new field does not compile until it is listed here.
@@ -131,8 +131,9 @@ fn of_servo(servo: &AxisServo, axis: Axis) -> Result<(), ConfigError> {
         VISCOUS.check(*viscous, Field::Viscous, on)?;
         DEAD_TIME.check(*lead_s, Field::FrictionLead, on)?;
     }
-    let Some(DynamicSettings { limits, lag: _, acceleration: _, take_up: _ }) = dynamic else { return Ok(()) };
+    let Some(DynamicSettings { limits, lag: _, acceleration: _, take_up: _, lag_s }) = dynamic else { return Ok(()) };
     let Limits { magnitude, slope_per_s, acceleration_per_s2 } = limits;
+    COMMON_LAG.check(*lag_s, Field::CommonLag, on)?;
     MAGNITUDE.of(axis).check(*magnitude, Field::DynamicMagnitude, on)?;
     SLOPE.of(axis).check(*slope_per_s, Field::DynamicSlope, on)?;
     ACCELERATION.of(axis).check(*acceleration_per_s2, Field::DynamicAcceleration, on)

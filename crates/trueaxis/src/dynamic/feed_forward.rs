@@ -12,7 +12,8 @@
 //!
 //! The geometric correction enters rate-limited, ahead of the axis limiter: the part withheld by that limiter would
 //! return through a, with a gain of 1/(K_vp T). The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs
-//! that are constant over a period; for k_ff = 0 it is u = (h + v)/K_v. Cost: two divisions and some 20 multiplications
+//! that are constant over a period; for k_ff = 0 it is u = (h + v)/K_v. Where the machine states a lag L, it takes the
+//! place of the drive's own: L K_v instead of 1 − k_ff. Cost: two divisions and some 20 multiplications
 //! and additions per axis.
 
 #![deny(clippy::indexing_slicing)]
@@ -101,7 +102,8 @@ impl<R: Real> FeedForward<R> {
         law.gain = R::of((1.0 - keep) / (drive.position_gain_per_s * period_s));
         law.decay = R::of(libm::exp(-period_s / drive.reset_time_s));
         if dynamic.lag {
-            law.lag = R::of(1.0 - shared);
+            let own = 1.0 - shared;
+            law.lag = R::of(if dynamic.lag_s > 0.0 { dynamic.lag_s * drive.position_gain_per_s } else { own });
         }
         if dynamic.acceleration {
             law.acceleration = R::of(1.0 / (drive.velocity_gain_per_s * period_s));

@@ -15,6 +15,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod common;
 mod crosstalk;
 mod feed_forward;
 mod feedback;

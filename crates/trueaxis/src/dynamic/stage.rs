@@ -2,6 +2,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
+use super::common::{self, Common, Room, Wanted};
 use super::crosstalk::Crosstalk;
 use super::feed_forward::FeedForward;
 use super::feedback::Feedback;
@@ -28,9 +29,19 @@ struct Act<R> {
     takes_up: bool,
     /// Whether the axis is linear: the feedback moves the tip along it.
     is_linear: bool,
+    /// Whether the axis takes part in the common lag.
+    shares: bool,
+    room: Room<R>,
 }
 
 impl<R: Real> Act<R> {
+    /// An axis that wants nothing.
+    fn idle(limiter: Limiter<R>) -> Self {
+        let room = Room { magnitude: limiter.magnitude(), whole: limiter.magnitude(), slope: limiter.slope() };
+        let law = FeedForward::none();
+        Act { law, limiter, ramps: [limiter; 2], takes_up: false, is_linear: false, shares: false, room }
+    }
+
     /// The limiter that ramps the geometric correction.
     #[inline(always)]
     fn ramp(&self, slowly: usize) -> &Limiter<R> {
@@ -45,6 +56,7 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
     axes: [Act<R>; N],
     /// Whether any axis takes up its lost motion.
     takes_up: bool,
+    common: Option<Common<R>>,
     feedback: Option<(Feedback<R>, Watch<R>)>,
     crosstalk: Option<Crosstalk<R, P>>,
     part: part::Dynamic,
@@ -77,26 +89,33 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let crosstalk = Crosstalk::new(order, machine, period_s)?;
         let mut any = feedback.is_some() || !machine.crosstalk.is_empty();
         let idle = Limiter::new(&DynamicSettings::with_defaults(crate::axis::Axis::X).limits, period_s)?;
-        let mut axes =
-            [Act { law: FeedForward::none(), limiter: idle, ramps: [idle; 2], takes_up: false, is_linear: false }; N];
+        let mut axes = [Act::idle(idle); N];
         for (act, settings) in axes.iter_mut().zip(order.settings(machine)) {
             let Some(settings) = settings else { continue };
             let servo = &settings.servo;
             any |= servo.friction.is_some() || servo.dynamic.is_some();
             let dynamic = servo.dynamic.unwrap_or(DynamicSettings::with_defaults(settings.axis));
-            let limiter =
+            let limiter: Limiter<R> =
                 Limiter::new(&dynamic.limits, period_s).map_err(|error| of_dynamic(error).on(settings.axis))?;
             let law = FeedForward::new(servo, &dynamic, period_s);
             let own = Limiter::new(&settings.limits, period_s).map_err(|error| error.on(settings.axis))?;
             // If it is too slow for the scalar to represent: as fast as the axis may.
             let slow = Limiter::new(&ramp_limits(settings, &dynamic), period_s).unwrap_or(own);
-            let (takes_up, is_linear) = (dynamic.take_up, !settings.axis.is_rotary());
-            *act = Act { law, limiter, ramps: [own, slow], takes_up, is_linear };
+            // So that rounding carries no wanted correction beyond its limit.
+            let inside = R::of(1.0 - 16.0 * R::EPSILON.to_f64());
+            let room = Room {
+                magnitude: limiter.magnitude() * inside,
+                whole: own.magnitude() * inside,
+                slope: limiter.slope().min(own.slope()),
+            };
+            let (takes_up, is_linear, shares) = (dynamic.take_up, !settings.axis.is_rotary(), common::shares(settings));
+            *act = Act { law, limiter, ramps: [own, slow], takes_up, is_linear, shares, room };
         }
         let feedback = feedback.map(|settings| (Feedback::new(settings, period_s), Watch::new(settings, period_s)));
         let crosstalk = (!machine.crosstalk.is_empty()).then_some(crosstalk);
+        let common = Common::new(order.settings(machine).into_iter().flatten(), period_s);
         let takes_up = axes.iter().any(|act| act.takes_up);
-        Ok(any.then_some(DynamicStage { axes, takes_up, feedback, crosstalk, part }))
+        Ok(any.then_some(DynamicStage { axes, takes_up, common, feedback, crosstalk, part }))
     }
 
     /// Makes the calling code unreachable in a build without the part.
@@ -156,7 +175,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 }
             }
         }
-        self.follow(state, parts, sample.due)
+        self.follow(state, moment.geometric, parts, sample.due)
     }
 
     /// Handles cycles in which nothing is wanted; returns whether nothing moves either.
@@ -186,13 +205,60 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
     /// Moves the limiters towards the sum of the parts if they are `due`; returns one bit for every axis that still
     /// differs.
     #[inline(always)]
-    fn follow(&self, state: &mut DynamicState<R, P, N>, parts: &mut DynamicParts<R, N>, due: bool) -> u8 {
-        let mut flags = 0;
-        let wanted = parts.feed_forward.iter().zip(&parts.feedback).zip(parts.crosstalk.iter().zip(&parts.learned));
-        let axes = self.axes.iter().zip(&mut state.limited).zip(&mut parts.sent);
-        for (slot, (((act, limited), sent), ((law, feedback), (crosstalk, learned)))) in axes.zip(wanted).enumerate() {
+    fn follow(
+        &self,
+        state: &mut DynamicState<R, P, N>,
+        geometric: &[R; N],
+        parts: &mut DynamicParts<R, N>,
+        due: bool,
+    ) -> u8 {
+        let mut wanted = [Wanted { sum: R::ZERO, geometric: R::ZERO }; N];
+        let laws = parts.feed_forward.iter().zip(&parts.feedback).zip(parts.crosstalk.iter().zip(&parts.learned));
+        let axes = self.axes.iter().zip(&state.limited).zip(&mut wanted).zip(geometric);
+        let mut free = due && state.share == R::ONE;
+        for ((((act, limited), wanted), geometric), ((law, feedback), (crosstalk, learned))) in axes.zip(laws) {
             let sum = *law + *feedback + *crosstalk + *learned;
-            flags |= u8::from(act.limiter.follow_when(due, limited, sum)) << (slot & 7);
+            *wanted = Wanted { sum, geometric: *geometric };
+            free &= act.limiter.passes(limited, sum) && (sum + *geometric).abs() <= act.room.whole;
+        }
+        let axes = state.limited.iter_mut().zip(&mut parts.sent).zip(&wanted);
+        if free {
+            for ((limited, sent), wanted) in axes {
+                *limited = limited.passed(wanted.sum);
+                *sent = wanted.sum;
+            }
+            return 0;
+        }
+        self.follow_limited(state, &mut wanted, parts, due)
+    }
+
+    /// [`DynamicStage::follow`] where a limit binds: what all axes have in common gives way first.
+    #[inline(never)]
+    fn follow_limited(
+        &self,
+        state: &mut DynamicState<R, P, N>,
+        wanted: &mut [Wanted<R>; N],
+        parts: &mut DynamicParts<R, N>,
+        due: bool,
+    ) -> u8 {
+        if self.common.is_some() {
+            if due {
+                state.share = common::share(state.share, &state.shared, wanted, &self.axes.map(|act| act.room));
+            }
+            if state.share < R::ONE {
+                for ((shared, wanted), law) in state.shared.iter().zip(&mut *wanted).zip(&mut parts.feed_forward) {
+                    let withheld = shared.withheld(state.share);
+                    wanted.sum -= withheld;
+                    *law -= withheld;
+                }
+            }
+        } else {
+            state.share = R::ONE;
+        }
+        let mut flags = 0;
+        let axes = self.axes.iter().zip(&mut state.limited).zip(&mut parts.sent).zip(wanted);
+        for (slot, (((act, limited), sent), wanted)) in axes.enumerate() {
+            flags |= u8::from(act.limiter.follow_when(due, limited, wanted.sum)) << (slot & 7);
             *sent = limited.sent();
         }
         flags
@@ -215,10 +281,11 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             (state.fresh, state.parts) = (false, on);
         }
         let mut changes = [R::ZERO; N];
-        let memory = state.drift.iter_mut().zip(&mut state.command).zip(&mut state.geometric_before);
+        let drift = state.drift.iter_mut().zip(&mut state.shared);
+        let memory = drift.zip(&mut state.command).zip(&mut state.geometric_before);
         let moved = sample.command.iter().zip(moment.geometric).zip(&mut changes);
         let laws = self.axes.iter().zip(&mut parts.feed_forward);
-        for ((((drift, before), geometric_before), ((command, geometric), change)), (act, offset)) in
+        for (((((drift, shared), before), geometric_before), ((command, geometric), change)), (act, offset)) in
             memory.zip(moved).zip(laws)
         {
             let was = drift.velocity();
@@ -238,6 +305,9 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             }
             *change = way - was;
             *offset = act.law.offset(drift, way, on, supplied);
+            if let (Some(common), true) = (&self.common, act.shares) {
+                common.advance(shared, way, *change, on, supplied);
+            }
         }
         self.feed_back(state, sample, moment, on, &mut parts.feedback);
         if let (Some(crosstalk), true) = (&self.crosstalk, on.has(Dynamics::CROSSTALK)) {

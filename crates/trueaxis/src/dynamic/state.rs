@@ -3,6 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::Dynamics;
+use super::common::Shared;
 use super::feed_forward::Drift;
 use super::watch::Swing;
 use crate::limiter::LimiterState;
@@ -13,6 +14,9 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) drift: [Drift<R>; N],
+    pub(super) shared: [Shared<R>; N],
+    /// Share of the common part that was sent last.
+    pub(super) share: R,
     pub(super) limited: [LimiterState<R>; N],
     pub(super) integral: [R; N],
     pub(super) swing: [Swing; N],
@@ -42,6 +46,8 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
     pub(crate) fn new() -> Self {
         DynamicState {
             drift: [Drift::default(); N],
+            shared: [Shared::default(); N],
+            share: R::ONE,
             limited: [LimiterState::default(); N],
             integral: [R::ZERO; N],
             swing: [Swing::default(); N],
@@ -98,6 +104,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         self.fresh = true;
         self.trend = [R::ZERO; N];
         self.drift.iter_mut().for_each(Drift::rest);
+        self.shared.iter_mut().for_each(Shared::rest);
     }
 
     /// Dynamic corrections sent last.

@@ -257,4 +257,6 @@ fields! {
     Memory;
     /// Plane or spacing of a command window.
     CommandWindow;
+    /// Lag that all axes compensate in common.
+    CommonLag: "axis.*.dynamic.lag_s";
 }

@@ -270,7 +270,13 @@ mod tests {
 
     #[test]
     fn settings_keep_their_numbers() {
-        let pinned = [(0, Field::Name), (22, Field::Hysteresis), (55, Field::MaxLag), (110, Field::CommandWindow)];
+        let pinned = [
+            (0, Field::Name),
+            (22, Field::Hysteresis),
+            (55, Field::MaxLag),
+            (110, Field::CommandWindow),
+            (111, Field::CommonLag),
+        ];
         for (code, field) in pinned {
             assert_eq!((field.code(), Field::ALL.get(usize::from(code))), (code, Some(&field)));
         }

@@ -149,6 +149,11 @@ impl<R: Real> Limiter<R> {
         self.magnitude
     }
 
+    /// Slope limit V.
+    pub(crate) fn slope(&self) -> R {
+        self.velocity
+    }
+
     /// Below this |r| a stop at full speed always fits: C − V − V²/2a. Beyond it a correction never passes unchanged.
     pub(crate) fn open(&self) -> R {
         self.open
@@ -175,7 +180,7 @@ impl<R: Real> Limiter<R> {
     /// Whether the state is locked on and the target keeps the limits: [`Limiter::follow`] then sends `wanted` unchanged,
     /// without root or rounding.
     #[inline(always)]
-    fn passes(&self, state: &LimiterState<R>, wanted: R) -> bool {
+    pub(crate) fn passes(&self, state: &LimiterState<R>, wanted: R) -> bool {
         state.is_locked() && self.follows(state, wanted)
     }
 

@@ -42,6 +42,11 @@ impl DriveFigures {
             dead_time_s: 0.0,
         }
     }
+
+    /// Lag of the drive at a constant velocity without its dead time, (1 − k_ff)/K_v, s.
+    pub fn lag_s(&self) -> f64 {
+        (1.0 - self.velocity_feed_forward) / self.position_gain_per_s
+    }
 }
 
 /// Friction of an axis for the reversal feed-forward. Forces are divided by the moved mass and by K_vp, so that they are
@@ -90,6 +95,9 @@ pub struct DynamicSettings {
     pub acceleration: bool,
     /// Takes up lost motion from the reversal of the command, without waiting for the hysteresis.
     pub take_up: bool,
+    /// Lag that is compensated, s: position offset per velocity. 0: the drive's own, (1 − k_ff)/K_v. A compiled file
+    /// stores it behind the settings.
+    pub lag_s: f64,
 }
 
 impl DynamicSettings {
@@ -102,7 +110,13 @@ impl DynamicSettings {
             lag: false,
             acceleration: false,
             take_up: false,
+            lag_s: 0.0,
         }
+    }
+
+    /// Lag that is compensated on an axis with this drive, s.
+    pub fn lag_s(&self, drive: &DriveFigures) -> f64 {
+        if self.lag_s > 0.0 { self.lag_s } else { drive.lag_s() }
     }
 }
 

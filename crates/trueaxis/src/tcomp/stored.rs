@@ -247,6 +247,9 @@ struct StoredDynamic {
     #[serde(with = "Layout")]
     limits: Limits,
     lag: bool,
+    /// At the end of the payload, in version 7.
+    #[serde(skip)]
+    lag_s: f64,
     acceleration: bool,
     take_up: bool,
 }

@@ -30,7 +30,7 @@ const FRICTION: FrictionSettings = FrictionSettings {
 const WIDE: Limits = Limits { magnitude: 0.09, slope_per_s: 5.0, acceleration_per_s2: 5000.0 };
 
 fn dynamic(lag: bool, acceleration: bool, take_up: bool) -> Option<DynamicSettings> {
-    Some(DynamicSettings { limits: WIDE, lag, acceleration, take_up })
+    Some(DynamicSettings { limits: WIDE, lag, acceleration, take_up, lag_s: 0.0 })
 }
 
 /// Every part on, on every axis.

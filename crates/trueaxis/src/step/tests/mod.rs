@@ -2,6 +2,7 @@
 
 mod cells;
 mod combinations;
+mod common_lag;
 mod dynamic;
 mod faults;
 mod finite;
