@@ -18,6 +18,7 @@
 mod crosstalk;
 mod feed_forward;
 mod feedback;
+mod harm;
 mod parts;
 mod stage;
 mod state;

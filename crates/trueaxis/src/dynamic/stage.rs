@@ -5,6 +5,7 @@
 use super::crosstalk::Crosstalk;
 use super::feed_forward::FeedForward;
 use super::feedback::Feedback;
+use super::harm::{Harm, Trial, Wave};
 use super::watch::{Swing, Watch};
 use super::{DynamicParts, DynamicState, Dynamics};
 use crate::check::of_dynamic;
@@ -45,7 +46,7 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
     axes: [Act<R>; N],
     /// Whether any axis takes up its lost motion.
     takes_up: bool,
-    feedback: Option<(Feedback<R>, Watch<R>)>,
+    feedback: Option<(Feedback<R>, Watch<R>, Harm<R>)>,
     crosstalk: Option<Crosstalk<R, P>>,
     part: part::Dynamic,
 }
@@ -93,7 +94,9 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             let (takes_up, is_linear) = (dynamic.take_up, !settings.axis.is_rotary());
             *act = Act { law, limiter, ramps: [own, slow], takes_up, is_linear };
         }
-        let feedback = feedback.map(|settings| (Feedback::new(settings, period_s), Watch::new(settings, period_s)));
+        let feedback = feedback.map(|settings| {
+            (Feedback::new(settings, period_s), Watch::new(settings, period_s), Harm::new(settings, period_s))
+        });
         let crosstalk = (!machine.crosstalk.is_empty()).then_some(crosstalk);
         let takes_up = axes.iter().any(|act| act.takes_up);
         Ok(any.then_some(DynamicStage { axes, takes_up, feedback, crosstalk, part }))
@@ -262,13 +265,14 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         on: Dynamics,
         wanted: &mut [R; N],
     ) {
-        let Some((feedback, watch)) = &self.feedback else {
+        let Some((feedback, watch, harm)) = &self.feedback else {
             // The new loop has no feedback, so nothing remains to ramp out.
             state.out = false;
             return;
         };
         if !on.has(Dynamics::FEEDBACK) || sample.input.reset {
             (state.swing, state.out) = ([Swing::default(); N], false);
+            (state.wave, state.trial) = ([Wave::default(); N], Trial::new());
         }
         if !on.has(Dynamics::FEEDBACK) || state.out {
             state.integral = [R::ZERO; N];
@@ -278,11 +282,14 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let slow = feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
         let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active && sample.due);
         let errors = error.unwrap_or_default();
+        if error.is_some() {
+            state.out |= harm.is_found(&mut state.trial, &mut state.wave, errors, &state.integral);
+        }
         // One axis that cannot follow displaces the tool in all directions, so every integral stays constant.
         let limited = moment.limited != 0;
         let axes = self.axes.iter().zip(&mut state.integral).zip(&mut state.swing).zip(wanted);
         for ((((act, integral), swing), wanted), e) in axes.zip(errors) {
-            *wanted = feedback.offset(integral, error.map(|_| e), limited, act.limiter.magnitude());
+            *wanted = feedback.offset(integral, error.map(|_| e), state.trial.share(), limited, act.limiter.magnitude());
             if error.is_some() {
                 state.out |= watch.swings(swing, e);
             }

@@ -4,6 +4,7 @@
 
 use super::Dynamics;
 use super::feed_forward::Drift;
+use super::harm::{Trial, Wave};
 use super::watch::Swing;
 use crate::limiter::LimiterState;
 use crate::position::Position;
@@ -16,6 +17,8 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) limited: [LimiterState<R>; N],
     pub(super) integral: [R; N],
     pub(super) swing: [Swing; N],
+    pub(super) wave: [Wave<R>; N],
+    pub(super) trial: Trial<R>,
     /// Whether the watch has ramped the feedback out.
     pub(super) out: bool,
     /// The parts of the last cycle.
@@ -45,6 +48,8 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
             limited: [LimiterState::default(); N],
             integral: [R::ZERO; N],
             swing: [Swing::default(); N],
+            wave: [Wave::default(); N],
+            trial: Trial::new(),
             out: false,
             parts: Dynamics::NONE,
             fresh: true,
