@@ -272,7 +272,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         };
         if !on.has(Dynamics::FEEDBACK) || sample.input.reset {
             (state.swing, state.out) = ([Swing::default(); N], false);
-            (state.wave, state.trial) = ([Wave::default(); N], Trial::new());
+            (state.waves, state.trial) = ([Wave::default(); 3], Trial::new());
         }
         if !on.has(Dynamics::FEEDBACK) || state.out {
             state.integral = [R::ZERO; N];
@@ -283,13 +283,14 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active && sample.due);
         let errors = error.unwrap_or_default();
         if error.is_some() {
-            state.out |= harm.is_found(&mut state.trial, &mut state.wave, errors, &state.integral);
+            state.out |= harm.is_found(&mut state.trial, &mut state.waves, errors, &state.integral);
         }
         // One axis that cannot follow displaces the tool in all directions, so every integral stays constant.
         let limited = moment.limited != 0;
         let axes = self.axes.iter().zip(&mut state.integral).zip(&mut state.swing).zip(wanted);
         for ((((act, integral), swing), wanted), e) in axes.zip(errors) {
-            *wanted = feedback.offset(integral, error.map(|_| e), state.trial.share(), limited, act.limiter.magnitude());
+            *wanted =
+                feedback.offset(integral, error.map(|_| e), state.trial.share(), limited, act.limiter.magnitude());
             if error.is_some() {
                 state.out |= watch.swings(swing, e);
             }

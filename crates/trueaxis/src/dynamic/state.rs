@@ -17,7 +17,8 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) limited: [LimiterState<R>; N],
     pub(super) integral: [R; N],
     pub(super) swing: [Swing; N],
-    pub(super) wave: [Wave<R>; N],
+    /// Oscillations of the tip, and what the feedback does to them.
+    pub(super) waves: [Wave<R>; 3],
     pub(super) trial: Trial<R>,
     /// Whether the watch has ramped the feedback out.
     pub(super) out: bool,
@@ -48,7 +49,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
             limited: [LimiterState::default(); N],
             integral: [R::ZERO; N],
             swing: [Swing::default(); N],
-            wave: [Wave::default(); N],
+            waves: [Wave::default(); 3],
             trial: Trial::new(),
             out: false,
             parts: Dynamics::NONE,

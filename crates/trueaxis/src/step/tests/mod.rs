@@ -5,6 +5,7 @@ mod combinations;
 mod dynamic;
 mod faults;
 mod finite;
+mod harm;
 mod pace;
 mod plausibility;
 mod rtcp;
