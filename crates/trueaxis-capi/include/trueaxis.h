@@ -145,22 +145,22 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 1088
+#define TRUEAXIS_LOOP_WORDS 1094
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 648
+#define TRUEAXIS_LOOP_WORDS 652
 #endif
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 680
+#define TRUEAXIS_STATE_WORDS 730
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 360
+#define TRUEAXIS_STATE_WORDS 388
 #endif
 
 /// The foot is a minimum of the distance, bracketed by − and +.

@@ -14,16 +14,16 @@ use trueaxis::{Bypass, Config, ConfigError, Fault, Measure};
 
 /// Words of a `trueaxis_loop_t`.
 #[cfg(not(feature = "single"))]
-pub const LOOP_WORDS: usize = 1088;
+pub const LOOP_WORDS: usize = 1094;
 /// Words of a `trueaxis_loop_t`.
 #[cfg(feature = "single")]
-pub const LOOP_WORDS: usize = 648;
+pub const LOOP_WORDS: usize = 652;
 /// Words of a `trueaxis_state_t`.
 #[cfg(not(feature = "single"))]
-pub const STATE_WORDS: usize = 680;
+pub const STATE_WORDS: usize = 730;
 /// Words of a `trueaxis_state_t`.
 #[cfg(feature = "single")]
-pub const STATE_WORDS: usize = 360;
+pub const STATE_WORDS: usize = 388;
 
 /// Tables, limits and settings of a machine. Immutable; may be copied and may be read from any thread.
 #[repr(C)]

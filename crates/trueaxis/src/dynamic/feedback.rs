@@ -39,13 +39,13 @@ impl<R: Real> Feedback<R> {
         square <= self.fastest
     }
 
-    /// The wanted offset of an axis; `error` is `None` if it cannot be acted on.
+    /// The wanted offset of an axis; `error` is `None` if it cannot be acted on, `share` that of K_p.
     #[inline(always)]
-    pub(super) fn offset(&self, integral: &mut R, error: Option<R>, limited: bool, most: R) -> R {
+    pub(super) fn offset(&self, integral: &mut R, error: Option<R>, share: R, limited: bool, most: R) -> R {
         let Some(error) = error else { return -*integral };
         if !limited {
             *integral = (*integral + self.integral * error).limit(-most, most);
         }
-        -(self.proportional * error + *integral)
+        -(self.proportional * share * error + *integral)
     }
 }

@@ -19,6 +19,7 @@ mod common;
 mod crosstalk;
 mod feed_forward;
 mod feedback;
+mod harm;
 mod parts;
 mod stage;
 mod state;

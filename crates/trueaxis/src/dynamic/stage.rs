@@ -6,6 +6,7 @@ use super::common::{self, Common, Room, Wanted};
 use super::crosstalk::Crosstalk;
 use super::feed_forward::FeedForward;
 use super::feedback::Feedback;
+use super::harm::{Harm, Trial, Wave};
 use super::watch::{Swing, Watch};
 use super::{DynamicParts, DynamicState, Dynamics};
 use crate::check::of_dynamic;
@@ -57,7 +58,7 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
     /// Whether any axis takes up its lost motion.
     takes_up: bool,
     common: Option<Common<R>>,
-    feedback: Option<(Feedback<R>, Watch<R>)>,
+    feedback: Option<(Feedback<R>, Watch<R>, Harm<R>)>,
     crosstalk: Option<Crosstalk<R, P>>,
     part: part::Dynamic,
 }
@@ -111,7 +112,9 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             let (takes_up, is_linear, shares) = (dynamic.take_up, !settings.axis.is_rotary(), common::shares(settings));
             *act = Act { law, limiter, ramps: [own, slow], takes_up, is_linear, shares, room };
         }
-        let feedback = feedback.map(|settings| (Feedback::new(settings, period_s), Watch::new(settings, period_s)));
+        let feedback = feedback.map(|settings| {
+            (Feedback::new(settings, period_s), Watch::new(settings, period_s), Harm::new(settings, period_s))
+        });
         let crosstalk = (!machine.crosstalk.is_empty()).then_some(crosstalk);
         let common = Common::new(order.settings(machine).into_iter().flatten(), period_s);
         let takes_up = axes.iter().any(|act| act.takes_up);
@@ -332,13 +335,14 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         on: Dynamics,
         wanted: &mut [R; N],
     ) {
-        let Some((feedback, watch)) = &self.feedback else {
+        let Some((feedback, watch, harm)) = &self.feedback else {
             // The new loop has no feedback, so nothing remains to ramp out.
             state.out = false;
             return;
         };
         if !on.has(Dynamics::FEEDBACK) || sample.input.reset {
             (state.swing, state.out) = ([Swing::default(); N], false);
+            (state.waves, state.trial) = ([Wave::default(); 3], Trial::new());
         }
         if !on.has(Dynamics::FEEDBACK) || state.out {
             state.integral = [R::ZERO; N];
@@ -348,11 +352,15 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let slow = feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
         let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active && sample.due);
         let errors = error.unwrap_or_default();
+        if error.is_some() {
+            state.out |= harm.is_found(&mut state.trial, &mut state.waves, errors, &state.integral);
+        }
         // One axis that cannot follow displaces the tool in all directions, so every integral stays constant.
         let limited = moment.limited != 0;
         let axes = self.axes.iter().zip(&mut state.integral).zip(&mut state.swing).zip(wanted);
         for ((((act, integral), swing), wanted), e) in axes.zip(errors) {
-            *wanted = feedback.offset(integral, error.map(|_| e), limited, act.limiter.magnitude());
+            *wanted =
+                feedback.offset(integral, error.map(|_| e), state.trial.share(), limited, act.limiter.magnitude());
             if error.is_some() {
                 state.out |= watch.swings(swing, e);
             }

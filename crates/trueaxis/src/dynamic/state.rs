@@ -5,6 +5,7 @@
 use super::Dynamics;
 use super::common::Shared;
 use super::feed_forward::Drift;
+use super::harm::{Trial, Wave};
 use super::watch::Swing;
 use crate::limiter::LimiterState;
 use crate::position::Position;
@@ -20,6 +21,9 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) limited: [LimiterState<R>; N],
     pub(super) integral: [R; N],
     pub(super) swing: [Swing; N],
+    /// Oscillations of the tip, and what the feedback does to them.
+    pub(super) waves: [Wave<R>; 3],
+    pub(super) trial: Trial<R>,
     /// Whether the watch has ramped the feedback out.
     pub(super) out: bool,
     /// The parts of the last cycle.
@@ -51,6 +55,8 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
             limited: [LimiterState::default(); N],
             integral: [R::ZERO; N],
             swing: [Swing::default(); N],
+            waves: [Wave::default(); 3],
+            trial: Trial::new(),
             out: false,
             parts: Dynamics::NONE,
             fresh: true,

@@ -6,6 +6,7 @@ mod common_lag;
 mod dynamic;
 mod faults;
 mod finite;
+mod harm;
 mod pace;
 mod plausibility;
 mod rtcp;
