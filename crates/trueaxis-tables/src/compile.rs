@@ -7,7 +7,8 @@ use trueaxis::contour::Method;
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::{Axis, Row};
 use trueaxis::tcomp::{
-    MAGIC, TableHeader, VERSION, VERSION_WITHOUT_ENCODERS, VERSION_WITHOUT_GRIDS, checksum, machine_id,
+    MAGIC, TableHeader, VERSION, VERSION_WITHOUT_ADDITIONS, VERSION_WITHOUT_ENCODERS, VERSION_WITHOUT_GRIDS, additions,
+    checksum, machine_id,
 };
 
 /// The compiled form of a machine, byte by byte as in [`trueaxis::tcomp`]. The result is deterministic.
@@ -34,8 +35,11 @@ pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
         }
     }
     let encoders = machine.settings.axes.iter().map(|axis| axis.encoder_resolution);
-    let version = if encoders.clone().any(|step| step.is_some()) {
+    let figures = machine.settings.axes.iter().flat_map(additions);
+    let version = if figures.clone().any(|figure| figure != 0.0) {
         VERSION
+    } else if encoders.clone().any(|step| step.is_some()) {
+        VERSION_WITHOUT_ADDITIONS
     } else if machine.grids.is_empty() {
         VERSION_WITHOUT_GRIDS
     } else {
@@ -49,8 +53,11 @@ pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
         payload.extend(postcard::to_stdvec(grid.header()).map_err(unencodable)?);
         payload.extend(grid.bytes());
     }
-    if version == VERSION {
+    if version >= VERSION_WITHOUT_ADDITIONS {
         payload.extend(encoders.flat_map(|step| step.unwrap_or(0.0).to_le_bytes()));
+    }
+    if version == VERSION {
+        payload.extend(figures.flat_map(f64::to_le_bytes));
     }
     let mut bytes = MAGIC.to_vec();
     bytes.extend(version.to_le_bytes());

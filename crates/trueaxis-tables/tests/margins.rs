@@ -32,6 +32,7 @@ fn margins_are_those_of_the_block_diagram() {
             velocity_feed_forward: drive("velocity_feed_forward"),
             current_loop_s: drive("current_loop_s"),
             dead_time_s: drive("dead_time_s"),
+            ..DriveFigures::with_defaults(0.0, 0.0, 0.0)
         };
         let friction = case["friction"].is_object().then(|| FrictionSettings {
             stribeck_share: number("friction", "stribeck_share"),

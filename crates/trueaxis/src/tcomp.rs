@@ -5,7 +5,7 @@
 //! | bytes | content |
 //! |---|---|
 //! | 8 | magic `TRUEAXIS` |
-//! | 2 | format version, 6; 5 for a machine without stated encoders, 4 for one that has no grids either |
+//! | 2 | format version, 7; 6 for a machine without later figures of a servo, 5 without stated encoders, 4 without grids |
 //! | 4 | machine id: CRC-32 of name, line feed, chain |
 //! | 4 | length n of the payload |
 //! | n | payload |
@@ -15,8 +15,9 @@
 //! their order, [`TableHeader`] in postcard and its lines as raw doubles: position (mm, degrees), the given forward
 //! errors (mm, rad) in the order EX EY EZ EA EB EC, and the reverse ones if the table is bidirectional. From version 5
 //! on, the number of grids follows as one byte, then for each grid [`GridHeader`] in postcard, the positions of free
-//! nodes as raw doubles and the nodes as 16-bit numbers ([`GridData`]), which are read in place. In version 6 a raw
-//! double for every axis ends the payload: the step of its encoder (mm, degrees), 0 if not stated.
+//! nodes as raw doubles and the nodes as 16-bit numbers ([`GridData`]), which are read in place. From version 6 on a raw
+//! double for every axis follows: the step of its encoder (mm, degrees), 0 if not stated. In version 7 four raw doubles
+//! for every axis end the payload ([`additions`]), 0 if not stated.
 
 use crate::check;
 use crate::error::{ConfigError, Field};
@@ -30,8 +31,11 @@ use serde::{Deserialize, Serialize};
 
 /// First eight bytes of the file.
 pub const MAGIC: [u8; 8] = *b"TRUEAXIS";
-/// Format version for a machine with a stated encoder step.
-pub const VERSION: u16 = 6;
+/// Format version for a machine with [`additions`].
+pub const VERSION: u16 = 7;
+/// Format version for a machine without additions, but with a stated encoder step: unchanged, so that older controllers
+/// load it.
+pub const VERSION_WITHOUT_ADDITIONS: u16 = 6;
 /// Format version for a machine without stated steps, but with grids: unchanged, so that older controllers load it.
 pub const VERSION_WITHOUT_ENCODERS: u16 = 5;
 /// Format version for a machine with neither.
@@ -150,7 +154,7 @@ impl fmt::Display for TcompError {
             TcompError::TooShort => "the file is shorter than its header says",
             TcompError::TooLong => "the file is longer than its header says",
             TcompError::Magic => "not a compiled table file (it does not start with TRUEAXIS)",
-            TcompError::Version => "another version of the format (version 6 is needed, or 4 or 5)",
+            TcompError::Version => "another version of the format (version 7 is needed, or 4 to 6)",
             TcompError::Checksum => "the file is damaged (its CRC-32 is wrong)",
             TcompError::Settings => "the machine settings cannot be decoded",
             TcompError::TableHeader => "the header of a table cannot be decoded",
@@ -417,8 +421,11 @@ impl<'a> Tcomp<'a> {
         if version != VERSION_WITHOUT_GRIDS {
             read_grids(&mut rest, version, grids)?;
         }
-        if version == VERSION {
+        if version >= VERSION_WITHOUT_ADDITIONS {
             rest = encoders(settings, rest)?;
+        }
+        if version == VERSION {
+            rest = read_additions(settings, rest)?;
         }
         if rest.is_empty() { Ok(()) } else { Err(TcompError::PayloadTooLong) }
     }
@@ -505,6 +512,40 @@ fn encoders<'a>(settings: &mut MachineSettings, mut rest: &'a [u8]) -> Result<&'
         let step = f64::from_le_bytes(*step);
         axis.encoder_resolution = (step != 0.0).then_some(step);
         rest = behind;
+    }
+    Ok(rest)
+}
+
+/// Figures of an axis' servo that version 7 added: a place for the time of the lag law (s), then resonance (Hz), its damping
+/// (share of critical) and lowest resonance (Hz); 0: not stated.
+pub fn additions(settings: &AxisSettings) -> [f64; 4] {
+    let drive = settings.servo.drive.as_ref();
+    let [hz, damping, lowest] =
+        drive.map_or([0.0; 3], |drive| [drive.resonance_hz, drive.resonance_damping, drive.lowest_resonance_hz]);
+    [0.0, hz, damping, lowest]
+}
+
+/// Sets the [`additions`] of an axis; `None` if it has no place for one that is stated.
+fn set_additions(settings: &mut AxisSettings, [_, hz, damping, lowest]: [f64; 4]) -> Option<()> {
+    match &mut settings.servo.drive {
+        Some(drive) => {
+            (drive.resonance_hz, drive.resonance_damping, drive.lowest_resonance_hz) = (hz, damping, lowest);
+            Some(())
+        }
+        None => (hz == 0.0 && damping == 0.0 && lowest == 0.0).then_some(()),
+    }
+}
+
+/// Reads the additions, after the steps of the encoders.
+fn read_additions<'a>(settings: &mut MachineSettings, mut rest: &'a [u8]) -> Result<&'a [u8], TcompError> {
+    for axis in &mut settings.axes {
+        let mut figures = [0.0; 4];
+        for figure in &mut figures {
+            let (bytes, behind) = rest.split_first_chunk().ok_or(TcompError::Settings)?;
+            *figure = f64::from_le_bytes(*bytes);
+            rest = behind;
+        }
+        set_additions(axis, figures).ok_or(TcompError::Settings)?;
     }
     Ok(rest)
 }

@@ -38,12 +38,17 @@ impl Track {
             Shape::Line => "G21 G90 F600\nG1 X120 Y96\nM2\n",
             Shape::Circle => "G21 G90 F600\nG0 X10\nG3 X10 I-10\nM2\n",
         };
+        Track::running(shape, program, machine)
+    }
+
+    /// A track with this program.
+    pub(crate) fn running(shape: Shape, program: &str, machine: &MachineSettings) -> Track {
         let course = Course::new(program, Settings::parse(RATE, "rate.toml").unwrap(), machine);
         let first = course.commands.iter().position(|command| command.cutting).unwrap();
         Track { shape, course, first }
     }
 
-    fn commands(&self, cycles: usize) -> &[Command] {
+    pub(crate) fn commands(&self, cycles: usize) -> &[Command] {
         &self.course.commands[self.first..][..cycles]
     }
 
@@ -97,6 +102,7 @@ pub(crate) fn drive(random: &mut Noise) -> DriveFigures {
         velocity_feed_forward: random.unit(),
         current_loop_s: random.range(0.05, 0.2) / velocity_gain_per_s,
         dead_time_s: random.range(0.0, 0.003),
+        ..DriveFigures::with_defaults(0.0, 0.0, 0.0)
     }
 }
 
@@ -110,5 +116,6 @@ pub(crate) fn near(of: &DriveFigures, share: f64, random: &mut Noise) -> DriveFi
         velocity_feed_forward: off(of.velocity_feed_forward).min(1.0),
         current_loop_s: off(of.current_loop_s),
         dead_time_s: off(of.dead_time_s),
+        ..*of
     }
 }

@@ -1,6 +1,7 @@
 //! `[uncertainty]`, `[uncertainty.location]` and `[axis.*.uncertainty]` of `machine.toml`.
 
 use super::section::Section;
+use super::servo_toml::resonance_uncertainty;
 use super::units::{from_um, from_urad, same};
 use crate::error::FileError;
 use crate::uncertainty::{AxisUncertainty, Instrument, LocationUncertainty, Uncertainties};
@@ -132,6 +133,10 @@ fn read_location(section: Section<'_>, axes: &[Axis]) -> Result<LocationUncertai
 /// Reads `[axis.*.uncertainty]`; nothing is stated if the axis has none.
 pub(super) fn read_axis(axis: &Section<'_>, of: Axis) -> Result<AxisUncertainty, FileError> {
     let mut found = AxisUncertainty::unstated(of);
+    if let Some(drive) = axis.section("drive")? {
+        let [resonance, damping] = resonance_uncertainty(&drive)?.map(|stated| stated.map(|stated| stated.value));
+        (found.resonance_hz, found.resonance_damping) = (resonance, damping);
+    }
     let Some(section) = axis.section("uncertainty")? else { return Ok(found) };
     let (micro, bounds, convert): (_, _, fn(f64) -> f64) =
         if of.is_rotary() { ("urad", &URAD, from_urad) } else { ("um", &UM, from_um) };

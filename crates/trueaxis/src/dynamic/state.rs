@@ -4,6 +4,7 @@
 
 use super::Dynamics;
 use super::feed_forward::Drift;
+use super::feedback::NotchState;
 use super::watch::Swing;
 use crate::limiter::LimiterState;
 use crate::position::Position;
@@ -15,6 +16,8 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) drift: [Drift<R>; N],
     pub(super) limited: [LimiterState<R>; N],
     pub(super) integral: [R; N],
+    /// Notches of the feedback, by linear axis.
+    pub(super) notched: [NotchState<R>; 3],
     pub(super) swing: [Swing; N],
     /// Whether the watch has ramped the feedback out.
     pub(super) out: bool,
@@ -44,6 +47,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
             drift: [Drift::default(); N],
             limited: [LimiterState::default(); N],
             integral: [R::ZERO; N],
+            notched: [NotchState::default(); 3],
             swing: [Swing::default(); N],
             out: false,
             parts: Dynamics::NONE,
@@ -97,6 +101,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
     pub(super) fn rest(&mut self) {
         self.fresh = true;
         self.trend = [R::ZERO; N];
+        self.notched = [NotchState::default(); 3];
         self.drift.iter_mut().for_each(Drift::rest);
     }
 

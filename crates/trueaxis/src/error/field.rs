@@ -257,4 +257,10 @@ fields! {
     Memory;
     /// Plane or spacing of a command window.
     CommandWindow;
+    /// Resonance of an axis.
+    Resonance: "axis.*.drive.resonance_hz";
+    /// Damping of the resonance of an axis.
+    ResonanceDamping: "axis.*.drive.resonance_damping";
+    /// Frequency below which an axis has no resonance.
+    LowestResonance: "axis.*.drive.lowest_resonance_hz";
 }
