@@ -7,8 +7,8 @@ use std::path::Path;
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::files::Source;
-use trueaxis_tables::{FeedbackMargins, LostMotion, Machine, Summary, Warning};
 use trueaxis_tables::uncertainty::Uncertainties;
+use trueaxis_tables::{FeedbackMargins, LostMotion, Machine, Summary, Warning};
 use trueaxis_tables::{build, check, compile, feedback_margins_within, feedback_within, lost_motion, summary};
 
 /// Refuses a servo rate that no controller has, Hz.

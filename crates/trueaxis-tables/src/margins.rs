@@ -80,7 +80,8 @@ pub fn feedback_margins_within(machine: &Machine, known: &Uncertainties, servo_r
     let Some(feedback) = machine.settings.contour.feedback else { return Vec::new() };
     let of = |(axis, margins): (Axis, check::Margins)| {
         let resonance = margins.resonance.filter(|margin| margin.value.is_finite());
-        let stated = machine.settings.axis(axis).and_then(|own| own.servo.drive).map_or(0.0, |drive| drive.resonance_hz);
+        let stated =
+            machine.settings.axis(axis).and_then(|own| own.servo.drive).map_or(0.0, |drive| drive.resonance_hz);
         let share = spread(machine, known, axis).frequency;
         let notch = margins.notch.map(|notch| Notched {
             frequency_hz: notch.frequency_hz,

@@ -193,12 +193,13 @@ impl fmt::Display for Warning {
             Warning::ResonanceNotStated { axis, proportional, safe } => {
                 let [lowest, damping] = [check::ASSUMED_LOWEST_HZ, 100.0 * check::ASSUMED_DAMPING];
                 let letter = axis.letter();
-                write!(
-                    f,
-                    "axis {letter}: nothing is stated about resonances; the contour feedback, K_p {proportional}, is safe with any \
-                     resonance above {lowest} Hz of {damping} % damping up to K_p {safe}; [axis.{letter}.drive] states \
-                     resonance_hz and resonance_damping, or lowest_resonance_hz"
-                )
+                write!(f, "axis {letter}: nothing is stated about resonances; the contour feedback has K_p {proportional}")?;
+                write!(f, ", and with any resonance above {lowest} Hz of {damping} % damping ")?;
+                match safe > 0.0 {
+                    true => write!(f, "it is safe up to K_p {safe}")?,
+                    false => write!(f, "no K_p is safe")?,
+                }
+                write!(f, "; [axis.{letter}.drive] states resonance_hz and resonance_damping, or lowest_resonance_hz")
             }
             Warning::SlopeAboveLimit { axis, rate, limit, moving, part } => {
                 let (letter, unit) = (axis.letter(), unit(axis));

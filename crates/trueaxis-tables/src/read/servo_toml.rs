@@ -4,8 +4,8 @@ use super::section::{KeyValue, Section};
 use super::uncertainty_toml::uncertainties_are_sound;
 use super::units::{degrees_from_urad, from_um, per_second, same};
 use crate::error::FileError;
-use trueaxis::range::{RESONANCE, RESONANCE_DAMPING};
 use trueaxis::machine::{Axis, AxisServo, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings};
+use trueaxis::range::{RESONANCE, RESONANCE_DAMPING};
 
 /// Units of an axis in the names of its keys: positions, errors, and the conversion of errors to the unit of the core.
 struct Units {
@@ -76,10 +76,9 @@ fn read_resonance(section: &Section<'_>, drive: &mut DriveFigures) -> Result<(),
         return Err(section.missing_here("resonance_damping", needed));
     }
     let uncertainty = resonance_uncertainty(section)?;
-    for (stated, of, what) in [
-        (&uncertainty[0], resonance, "resonance_hz"),
-        (&uncertainty[1], damping, "resonance_damping"),
-    ] {
+    for (stated, of, what) in
+        [(&uncertainty[0], resonance, "resonance_hz"), (&uncertainty[1], damping, "resonance_damping")]
+    {
         let Some(stated) = stated else { continue };
         // The expanded uncertainty, k = 2, must leave a figure above zero.
         if of.is_none_or(|of| 2.0 * stated.value >= of.value) {

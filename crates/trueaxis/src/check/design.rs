@@ -6,6 +6,8 @@ use super::resonance::{Spread, above, worst};
 
 /// Dampings and bottoms of the notches that are tried.
 const SHAPES: [[f64; 2]; 4] = [[0.5, 0.2], [0.5, 0.5], [1.0, 0.2], [1.0, 0.5]];
+/// How far a notch may be from the stated resonance, as a share of it. A slower one would be a lag for the whole loop.
+const NEAR: f64 = 0.2;
 /// A notch costs lag, and is worth it if the gains may be larger by this factor.
 const WORTH: f64 = 1.1;
 
@@ -23,7 +25,7 @@ fn with(closed: &Closed<'_>, spread: &Spread, notch: Option<&Notch>) -> Margins 
 /// The factor by which both gains may grow with any resonance above a frequency, Hz.
 pub(super) fn safe_factor(closed: &Closed<'_>, lowest_hz: f64) -> f64 {
     let peak = above(closed, lowest_hz, None);
-    rigid(closed, None).factor.min(peak.map_or(0.0, |peak| peak.factor()))
+    rigid(closed, None).factor.min(peak.factor())
 }
 
 /// The notch with which the gains may be the largest, if they may be larger than without one; `None` as well if no
@@ -38,7 +40,9 @@ pub(super) fn chosen(closed: &Closed<'_>) -> Option<Notch> {
     let bare = with(closed, &Spread::LEAST, None);
     let peak = bare.resonance.filter(|_| bare.factor > 0.0)?;
     let (mut best, mut found) = (bare.factor * WORTH, None);
-    for frequency_hz in [closed.drive.resonance_hz, peak.frequency_hz] {
+    let stated = closed.drive.resonance_hz;
+    let at_peak = Some(peak.frequency_hz).filter(|peak| (peak / stated - 1.0).abs() < NEAR && *peak != stated);
+    for frequency_hz in [Some(stated), at_peak].into_iter().flatten() {
         for [damping, bottom] in SHAPES {
             let notch = Notch { frequency_hz, damping, bottom };
             // The rigid loops only lose by a notch, and are left until it is worth while.

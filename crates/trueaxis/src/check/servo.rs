@@ -1,7 +1,7 @@
 //! Checks of drives, friction, dynamic correction, contour feedback and cross-talk.
 
-use super::drive::{is_stable, stiffness};
 use super::design::{chosen, margins};
+use super::drive::{is_stable, stiffness};
 use super::margins::{Closed, Margins};
 use super::{Notch, RESONANCE_MARGIN_DB, Spread, need};
 use crate::error::{ConfigError, Field};
@@ -172,7 +172,9 @@ pub fn feedback_within(
     let resonant = margins.resonance.is_some_and(|margin| factor * margin_factor(margin.value) <= 1.0 + 1e-9);
     let needed = match (proportional, resonant) {
         _ if factor == 0.0 => NO_GAIN,
-        (true, false) => "60 degrees of phase margin and 12 dB of gain margin; at this ratio of the gains it may be at most",
+        (true, false) => {
+            "60 degrees of phase margin and 12 dB of gain margin; at this ratio of the gains it may be at most"
+        }
         (false, false) => "60 degrees of phase margin and 12 dB of gain margin; it may be at most",
         (true, true) => "6 dB of margin at the resonances of the axis; at this ratio of the gains it may be at most",
         (false, true) => "6 dB of margin at the resonances of the axis; it may be at most",

@@ -127,10 +127,7 @@ mod tests {
         let add = |[a, b]: C, [c, d]: C| [a + c, b + d];
         let neg = |[a, b]: C| [-a, -b];
         let div = |x: C, [c, d]: C| mul(x, [c / (c * c + d * d), -d / (c * c + d * d)]);
-        let drive = DriveFigures {
-            velocity_feed_forward: 0.7,
-            ..DriveFigures::with_defaults(60.0, 350.0, 0.012)
-        };
+        let drive = DriveFigures { velocity_feed_forward: 0.7, ..DriveFigures::with_defaults(60.0, 350.0, 0.012) };
         for scale in [false, true] {
             for stiffness in [0.0, 3e4] {
                 let masses = Masses { omega: 754.0, damping: 0.03, share: 0.4, stiffness, scale };
