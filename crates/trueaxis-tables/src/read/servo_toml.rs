@@ -1,7 +1,7 @@
 //! `[axis.*.drive]`, `[axis.*.friction]`, `[axis.*.dynamic]` and `[contour.feedback]` of `machine.toml`.
 
-use super::section::{KeyValue, Section};
-use super::uncertainty_toml::uncertainties_are_sound;
+use super::section::Section;
+use super::uncertainty_toml::{resonance_uncertainty, uncertainties_are_sound};
 use super::units::{degrees_from_urad, from_um, per_second, same};
 use crate::error::FileError;
 use trueaxis::machine::{Axis, AxisServo, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings};
@@ -86,17 +86,6 @@ fn read_resonance(section: &Section<'_>, drive: &mut DriveFigures) -> Result<(),
         }
     }
     Ok(())
-}
-
-/// Standard uncertainties of resonance (Hz) and damping, which are not compiled.
-pub(super) fn resonance_uncertainty(section: &Section<'_>) -> Result<[Option<KeyValue<f64>>; 2], FileError> {
-    let found = [section.number("resonance_u_hz")?, section.number("resonance_damping_u")?];
-    for stated in found.iter().flatten() {
-        if stated.value < 0.0 {
-            return Err(section.wrong(stated, "a standard uncertainty of at least 0"));
-        }
-    }
-    Ok(found)
 }
 
 fn read_friction(section: Section<'_>, units: &Units) -> Result<FrictionSettings, FileError> {

@@ -1,7 +1,6 @@
 //! `[uncertainty]`, `[uncertainty.location]` and `[axis.*.uncertainty]` of `machine.toml`.
 
-use super::section::Section;
-use super::servo_toml::resonance_uncertainty;
+use super::section::{KeyValue, Section};
 use super::units::{from_um, from_urad, same};
 use crate::error::FileError;
 use crate::uncertainty::{AxisUncertainty, Instrument, LocationUncertainty, Uncertainties};
@@ -72,6 +71,17 @@ pub(super) fn uncertainties_are_sound(figures: &Section<'_>, keys: &[&str]) -> R
     }
     degrees_of_freedom(&section)?;
     section.finish(None)
+}
+
+/// Standard uncertainties of resonance (Hz) and damping, which are not compiled.
+pub(super) fn resonance_uncertainty(section: &Section<'_>) -> Result<[Option<KeyValue<f64>>; 2], FileError> {
+    let found = [section.number("resonance_u_hz")?, section.number("resonance_damping_u")?];
+    for stated in found.iter().flatten() {
+        if stated.value < 0.0 {
+            return Err(section.wrong(stated, "a standard uncertainty of at least 0"));
+        }
+    }
+    Ok(found)
 }
 
 /// Instrument and location errors of the machine with these axes, without the sections of the axes.
