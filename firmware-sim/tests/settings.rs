@@ -121,7 +121,7 @@ fn the_help_has_the_figures_of_the_variants() {
             let mut words = line.split_whitespace();
             words.next() == Some(variant.name()) && words.next().is_some_and(|word| word.parse::<f64>().is_ok())
         });
-        let row = row.expect(variant.name());
+        let row = row.unwrap_or_else(|| panic!("{}", variant.name()));
         let numbers: Vec<f64> = row.split_whitespace().filter_map(|word| word.parse().ok()).collect();
         let s = variant.settings();
         let antiresonance = s.antiresonance_hz().round();

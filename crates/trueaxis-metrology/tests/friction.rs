@@ -147,7 +147,7 @@ fn circles_show_what_friction_adds_to_the_radius() {
             [cy.atan2(cx).rem_euclid(TAU), radius(k, read) - radius(k, [&x, &y])]
         })
         .collect();
-    let circles = circles(record, &found).unwrap();
+    let circles = circles(record, found).unwrap();
     assert_eq!(circles.len(), CIRCLES.len());
     let mut from = 0;
     for (circle, (radius, feed, turns)) in circles.iter().zip(CIRCLES) {

@@ -2,6 +2,7 @@
 
 use super::FittedRecording;
 use serde::Serialize;
+use std::fmt;
 use trueaxis_metrology::thermal::Coefficient;
 
 /// Output of `trueaxis thermal fit --json`.
@@ -104,6 +105,16 @@ pub struct MissingDocument {
     pub found_s: f64,
     /// Interval between the point's rows elsewhere, s.
     pub interval_s: f64,
+}
+
+/// `line 57: 1 row of cycle 2 is missing, 600 s where rows are 300 s apart`.
+impl fmt::Display for MissingDocument {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let MissingDocument { line, cycle, rows, found_s, interval_s } = self;
+        let are =
+            if *rows == 1 { "row of cycle {} is" } else { "rows of cycle {} are" }.replace("{}", &cycle.to_string());
+        write!(f, "line {line}: {rows} {are} missing, {found_s:.0} s where rows are {interval_s:.0} s apart")
+    }
 }
 
 /// Drift of an axis in a cycle.

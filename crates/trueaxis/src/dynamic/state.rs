@@ -5,8 +5,8 @@
 use super::Dynamics;
 use super::common::Shared;
 use super::feed_forward::Drift;
-use super::harm::{Trial, Wave};
 use super::feedback::NotchState;
+use super::harm::{Trial, Wave};
 use super::watch::Swing;
 use crate::limiter::LimiterState;
 use crate::position::Position;

@@ -37,6 +37,9 @@ fn everything() -> MachineSettings {
                 velocity_feed_forward: 65.0,
                 current_loop_s: 66.0,
                 dead_time_s: 67.0,
+                resonance_hz: 0.0,
+                resonance_damping: 0.0,
+                lowest_resonance_hz: 0.0,
             }),
             friction: Some(FrictionSettings {
                 coulomb_per_s: 68.0,
@@ -49,6 +52,7 @@ fn everything() -> MachineSettings {
             dynamic: Some(DynamicSettings {
                 limits: Limits { magnitude: 74.0, slope_per_s: 75.0, acceleration_per_s2: 76.0 },
                 lag: false,
+                lag_s: 0.0,
                 acceleration: true,
                 take_up: false,
             }),

@@ -120,7 +120,7 @@ proptest! {
         gains in prop::array::uniform3(60.0..150.0_f64),
         speed in 5.0..200.0_f64,
         acceleration in 300.0..8000.0_f64,
-        turned in 0.0..6.28_f64,
+        turned in 0.0..core::f64::consts::TAU,
     ) {
         let mut drives = [DRIVE; 3];
         for (k, drive) in drives.iter_mut().enumerate() {

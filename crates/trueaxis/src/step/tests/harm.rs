@@ -8,14 +8,8 @@ use crate::telemetry::Status;
 use core::f64::consts::TAU;
 use std::format;
 
-const DRIVE: DriveFigures = DriveFigures {
-    position_gain_per_s: 110.0,
-    velocity_gain_per_s: 800.0,
-    reset_time_s: 0.006,
-    velocity_feed_forward: 0.93,
-    current_loop_s: 2.5e-4,
-    dead_time_s: 0.0,
-};
+const DRIVE: DriveFigures =
+    DriveFigures { velocity_feed_forward: 0.93, ..DriveFigures::with_defaults(110.0, 800.0, 0.006) };
 const RADIUS_MM: f64 = 25.0;
 const FEED_MM_PER_S: f64 = 25.0;
 /// Longest step of the mechanics, s.
