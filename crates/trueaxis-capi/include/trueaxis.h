@@ -145,22 +145,22 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 1094
+#define TRUEAXIS_LOOP_WORDS 1096
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 652
+#define TRUEAXIS_LOOP_WORDS 648
 #endif
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 730
+#define TRUEAXIS_STATE_WORDS 752
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 388
+#define TRUEAXIS_STATE_WORDS 400
 #endif
 
 /// The foot is a minimum of the distance, bracketed by − and +.

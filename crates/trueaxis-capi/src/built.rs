@@ -14,16 +14,16 @@ use trueaxis::{Bypass, Config, ConfigError, Fault, Measure};
 
 /// Words of a `trueaxis_loop_t`.
 #[cfg(not(feature = "single"))]
-pub const LOOP_WORDS: usize = 1094;
+pub const LOOP_WORDS: usize = 1096;
 /// Words of a `trueaxis_loop_t`.
 #[cfg(feature = "single")]
-pub const LOOP_WORDS: usize = 652;
+pub const LOOP_WORDS: usize = 648;
 /// Words of a `trueaxis_state_t`.
 #[cfg(not(feature = "single"))]
-pub const STATE_WORDS: usize = 730;
+pub const STATE_WORDS: usize = 752;
 /// Words of a `trueaxis_state_t`.
 #[cfg(feature = "single")]
-pub const STATE_WORDS: usize = 388;
+pub const STATE_WORDS: usize = 400;
 
 /// Tables, limits and settings of a machine. Immutable; may be copied and may be read from any thread.
 #[repr(C)]

@@ -252,11 +252,11 @@ fn terms_that_a_set_up_cannot_separate_are_named() {
     };
     // 12 touches of 1 µm at six points over 0.9 of an arm give its direction to 1 µm / (0.31 · length · √12): 4.7 and 6.2 µrad
     // for 200 and 150 mm. Their angle has 7.8 µrad, the mean of both orientations 5.5. A ball sees C0Y only by r u_x u_y: 58
-    // touches with r = 15.5 mm, evenly spread, give it to 1 µm / (r √(58/15)) = 33 µrad.
+    // touches with r = 15.5 mm, evenly spread, give it to 1 µm / (r √(58/15)) = 33 µrad. The text shows twice that (95 %).
     let turned = expected(format!("{HEAD}{tip}{over}"));
-    assert!((5.0..6.0).contains(&turned), "{turned}");
+    assert!((10.0..12.0).contains(&turned), "{turned}");
     let by_ball = expected(format!("{HEAD}{BALL}{square}"));
-    assert!((25.0..40.0).contains(&by_ball), "{by_ball}");
+    assert!((50.0..80.0).contains(&by_ball), "{by_ball}");
     assert!(expected(format!("{HEAD}{BALL}{over}")) <= turned);
     refused(format!("{HEAD}colour = 3\n{BALL}"), &["task.toml:5: key probe.colour", "tip_radius_mm"]);
     refused(

@@ -423,7 +423,10 @@ fn bounds_are_needed_and_bound_something() {
     let with = |from: &str, to: &str| one_ball().replace(from, to);
     refused(format!("{HEAD}{PROBE}{BALL}"), &["keep.toml", "[[term]]"]);
     refused(with("largest_update_um = 15.0\n", ""), &["keep.toml:17:", "largest_update_um", "found nothing"]);
-    refused(with("largest_update_um = 15.0", "largest_update_urad = 15.0"), &["largest_update_um", "found nothing"]);
+    refused(
+        with("largest_update_um = 15.0", "largest_update_urad = 15.0"),
+        &["keep.toml:18: key term.largest_update_urad", "needed largest_update_um: the largest single update"],
+    );
     refused(with("largest_update_um = 15.0", "largest_update_um = 0.0"), &["found 0.0", "0.001 to 1000 µm"]);
     refused(with("largest_total_um = 30.0", "largest_total_um = 5000"), &["found 5000", "0.001 to 1000 µm"]);
     refused(with("largest_total_um = 30.0", "largest_total_um = 10.0"), &["found 10.0", "at least 15"]);

@@ -142,7 +142,7 @@ fn accuracy_has_bands_and_no_verdict_within_them() {
         assert_eq!(run(&tolerance.to_string())["verdict"]["verdict"], verdict);
     }
     let text = folder.good(&["tables", "accuracy", measured, "--instrument", mill, "--tolerance-um", "1000"]);
-    assert!(text.contains("± U") && text.contains("kept, uncertainty included: pass"), "{text}");
+    assert!(text.contains("± 95 %") && text.contains("kept, uncertainty included: pass"), "{text}");
     for (arguments, message) in [
         (vec!["--tolerance-um", "30"], "--instrument"),
         (vec!["--instrument", mill, "--tolerance-um", "-1"], "--tolerance-um: found -1"),

@@ -36,8 +36,10 @@ fn the_samples_compile_and_read_back_identical() {
             assert_eq!(read, *written);
         }
         let mut warnings = check(&machine, 10_000.0);
-        // The three-axis samples use the nine terms on purpose.
-        warnings.retain(|warning| !matches!(warning, Warning::AnglesIgnored { .. }));
+        // The three-axis samples use the nine terms on purpose, and rapid motion need not be without lag.
+        let meant =
+            |warning: &Warning| matches!(warning, Warning::AnglesIgnored { .. } | Warning::LagAboveLimit { .. });
+        warnings.retain(|warning| !meant(warning));
         assert!(warnings.is_empty(), "{name}: {}", warnings[0]);
     }
 }

@@ -192,8 +192,8 @@ fn wrong_sections_are_refused_at_their_lines() {
         (
             "presliding_urad = 70",
             "presliding_um = 70",
-            "",
-            "key axis.C.friction.presliding_urad: found nothing, needed the travel over which friction reverses by 63 %",
+            "presliding_um = 70",
+            "key axis.C.friction.presliding_um: found presliding_um, needed presliding_urad: the travel over which friction",
         ),
         ("[[crosstalk]]\ntip = \"X\"", "[crosstalk]\ntip = \"X\"", "", ""),
         (

@@ -9,7 +9,6 @@ use trueaxis::tcomp::Tcomp;
 use trueaxis_evaluation::check::{compiled, findings};
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
-use trueaxis_tables::uncertainty::Uncertainties;
 
 /// All files of a machine in one text: the name of each on a separate line between `==` and `==`.
 pub const TARGET: Target = Target {
@@ -58,7 +57,7 @@ fn compiles(machine: &Machine, bytes: &[u8]) {
         *again = grid.clone();
     }
     assert_eq!(again, *machine);
-    let found = findings(machine, &Uncertainties::default(), &file, RATE_HZ);
+    let found = findings(machine, &file, RATE_HZ);
     let texts = found.warnings.iter().map(ToString::to_string).chain([found.summary.to_string()]);
     for text in texts {
         // The machine's name may contain these words.

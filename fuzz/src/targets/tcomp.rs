@@ -7,7 +7,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use trueaxis::machine::{AxisOrder, Limits};
 use trueaxis::tcomp::{
-    HEADER_BYTES, MAGIC, Tcomp, VERSION, VERSION_WITHOUT_ENCODERS, VERSION_WITHOUT_GRIDS, checksum, machine_id,
+    HEADER_BYTES, MAGIC, Tcomp, VERSION, VERSION_WITHOUT_ADDITIONS, VERSION_WITHOUT_ENCODERS, VERSION_WITHOUT_GRIDS,
+    checksum, machine_id,
 };
 use trueaxis::telemetry::{Frame, Status};
 use trueaxis::{Input, Nanometres, Position, Real, ServoLoop};
@@ -37,7 +38,10 @@ fn repair(bytes: &mut [u8]) {
     }
     let end = bytes.len() - 4;
     let length = (end - HEADER_BYTES) as u32;
-    if ![VERSION, VERSION_WITHOUT_ENCODERS].map(u16::to_le_bytes).contains(&[bytes[8], bytes[9]]) {
+    if ![VERSION, VERSION_WITHOUT_ADDITIONS, VERSION_WITHOUT_ENCODERS]
+        .map(u16::to_le_bytes)
+        .contains(&[bytes[8], bytes[9]])
+    {
         bytes[8..10].copy_from_slice(&VERSION_WITHOUT_GRIDS.to_le_bytes());
     }
     bytes[14..18].copy_from_slice(&length.to_le_bytes());

@@ -78,8 +78,10 @@ fn on_a_line_with_equal_drives_a_bound_correction_stays_parallel_to_the_path() {
                 (largest, off) = (largest.max(along.abs()), off.max(across));
                 assert!(parts.sent.iter().all(|d| d.abs() <= 0.05 * (1.0 + 1e-9)), "{parts:?}");
             }
-            // While an axis brakes or starts, its limiter rounds the corner of d by itself, for some milliseconds.
-            assert!(off < 4e-3, "{share} {speed}: {off}");
+            // While an axis brakes or starts, its limiter rounds the corner of d by itself, for some milliseconds. Without
+            // velocity feed-forward d jumps with the acceleration.
+            let most = if share == 0.0 { 15e-3 } else { 4e-3 };
+            assert!(off < most, "{share} {speed}: {off}");
             let lag = (1.0 - share) * speed * SLOPING[0] / DRIVE.position_gain_per_s;
             if lag > 0.06 {
                 assert!((largest - 0.05 / SLOPING[0]).abs() < 5e-3, "{share} {speed}: {largest}");
