@@ -147,7 +147,7 @@ fn volumetric() {
 fn dynamic_correction() {
     check(&[
         (Case { parts: Some(ServoParts::Friction), ..NINE }, [0x2c5b_abd5, 0x3438_f1d6]),
-        (Case { parts: Some(ServoParts::All), ..NINE }, [0x22a1_3c9e, 0xca78_2d46]),
+        (Case { parts: Some(ServoParts::All), ..NINE }, [0x742f_9c27, 0xb176_0851]),
         (Case { parts: Some(ServoParts::Feedback), model: ErrorModel::Volumetric, ..NINE }, [0x8aaa_e98d, 0x274d_2953]),
     ]);
 }
