@@ -42,7 +42,7 @@ pub struct Findings {
     pub lost_motion: Vec<LostMotion>,
     /// Margins of the contour feedback.
     pub margins: Vec<FeedbackMargins>,
-    /// What the parts of the dynamic correction need.
+    /// Magnitudes that the parts of the dynamic correction need.
     pub dynamic_needs: Vec<DynamicNeed>,
     /// The compiled file in figures.
     pub summary: Summary,
@@ -70,7 +70,7 @@ pub struct CheckDocument {
     pub lost_motion: Vec<Lost>,
     /// Margins of the contour feedback.
     pub feedback_margins: Vec<FeedbackMargins>,
-    /// What the parts of the dynamic correction need of its magnitude limit.
+    /// Magnitudes that the parts of the dynamic correction need, beside its limit.
     pub dynamic_needs: Vec<DynamicNeed>,
     /// The compiled file in figures.
     pub summary: Summary,

@@ -10,11 +10,12 @@ use crate::formats::write_axis_csv_known;
 use crate::limits::widened;
 use crate::origin::Origin;
 use crate::read::{Current, path_from};
+use crate::text::micro;
 use crate::uncertainty::Uncertainties;
 use crate::{Machine, Table};
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
-use trueaxis::machine::{Axis, AxisSettings, Row, Twist};
+use trueaxis::machine::{Axis, Row, Twist};
 
 /// Closest two positions of a table, mm or degrees.
 const CLOSEST: f64 = 1e-3;
@@ -67,11 +68,8 @@ impl Additions {
         let again = self.record.as_ref().is_some_and(|record| known.records.contains(record));
         let below = |key: &str, written: &finding::Known| {
             let axis = finding::axis_of(key).and_then(|axis| before.settings.axis(axis));
-            let in_micro = |own: &AxisSettings| match own.axis.is_rotary() {
-                true => own.hysteresis.to_radians() * 1e6,
-                false => own.hysteresis * 1e3,
-            };
-            key.contains(".backlash_") && -written.value > axis.map_or(0.0, in_micro)
+            let hysteresis = axis.map_or(0.0, |own| micro(own.axis, own.hysteresis));
+            key.contains(".backlash_") && -written.value > hysteresis
         };
         let decision = |finding: &Finding| {
             let stated = finding::stated(document.as_table(), finding);

@@ -1,12 +1,12 @@
-//! What the parts of the dynamic correction need of its magnitude limit, axis by axis.
+//! Magnitudes that the parts of the dynamic correction need, beside its limit, axis by axis.
 
 use crate::Machine;
 use crate::text::{micro, short};
 use serde::Serialize;
 use std::fmt;
-use trueaxis::machine::{Axis, AxisSettings, DriveFigures};
+use trueaxis::machine::{AxisSettings, DriveFigures, DynamicSettings};
 
-/// The magnitude that an axis' dynamic correction has, and what its parts need of it. Lengths in µm (rotary: µrad), feeds
+/// Magnitude limit of an axis' dynamic correction, and the magnitudes that its parts need. Lengths in µm (rotary: µrad), feeds
 /// in mm/min (degrees/min), accelerations in mm/s² (degrees/s²). `None`: the axis does not have the part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DynamicNeed {
@@ -22,7 +22,7 @@ pub struct DynamicNeed {
     pub max_feed_per_min: f64,
     /// Lag that is compensated, ms.
     pub lag_ms: Option<f64>,
-    /// Whether all axes compensate this one lag, since their drives do not differ significantly.
+    /// Whether all axes compensate this lag because their drives do not differ significantly.
     pub lag_is_common: bool,
     /// Feed at which lag alone meets the limit.
     pub lag_meets_limit_at_feed_per_min: Option<f64>,
@@ -36,13 +36,6 @@ pub struct DynamicNeed {
     pub friction_needs_micro: Option<f64>,
 }
 
-impl DynamicNeed {
-    /// Whether lag exceeds the limit at the declared feed.
-    pub(crate) fn lag_exceeds(&self) -> bool {
-        self.lag_needs_micro.is_some_and(|needed| needed > self.limit_micro * (1.0 + 1e-9))
-    }
-}
-
 /// The needs of every axis with a dynamic correction by lag, acceleration or friction.
 pub fn dynamic_needs(machine: &Machine) -> Vec<DynamicNeed> {
     let feedback = machine.settings.contour.feedback.map(|feedback| feedback.max_feed_per_s);
@@ -51,7 +44,7 @@ pub fn dynamic_needs(machine: &Machine) -> Vec<DynamicNeed> {
 
 fn need(own: &AxisSettings, feedback_feed_per_s: Option<f64>) -> Option<DynamicNeed> {
     let (axis, drive) = (own.axis, own.servo.drive.as_ref()?);
-    let dynamic = own.servo.dynamic.unwrap_or(trueaxis::machine::DynamicSettings::with_defaults(axis));
+    let dynamic = own.servo.dynamic.unwrap_or(DynamicSettings::with_defaults(axis));
     let friction = own.servo.friction;
     if !dynamic.lag && !dynamic.acceleration && friction.is_none() {
         return None;
@@ -117,25 +110,4 @@ impl fmt::Display for DynamicNeed {
             None => Ok(()),
         }
     }
-}
-
-/// Lag of an axis at its declared feed, for a warning.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LagBeyond {
-    pub(crate) axis: Axis,
-    /// Magnitude that lag needs, mm.
-    pub(crate) needed: f64,
-    /// Feed at which it meets the limit, mm/s.
-    pub(crate) feed_per_s: f64,
-}
-
-/// The axes whose lag exceeds the limit at the declared feed.
-pub(crate) fn lag_beyond(machine: &Machine) -> impl Iterator<Item = LagBeyond> {
-    machine.settings.axes.iter().filter_map(|own| {
-        need(own, None).filter(DynamicNeed::lag_exceeds)?;
-        let (drive, dynamic) = (own.servo.drive.as_ref()?, own.servo.dynamic.as_ref()?);
-        let lag_s = dynamic.lag_s(drive);
-        let feed_per_s = dynamic.limits.magnitude / lag_s;
-        Some(LagBeyond { axis: own.axis, needed: lag_s * own.max_feed_per_s, feed_per_s })
-    })
 }

@@ -12,7 +12,7 @@ pub(crate) fn near(unknown: &str, known: &str) -> bool {
     known.len() >= 4 && strsim::osa_distance(unknown, known) <= 1 + known.len() / 5
 }
 
-/// What is needed in place of an unknown name: the known names, joined by `separator`, headed by the nearest if it
+/// The known names that an error about an unknown one lists, joined by `separator`, headed by the nearest if it
 /// differs by a typing error or two.
 pub fn one_of<'n>(unknown: &str, known: impl IntoIterator<Item = &'n str>, separator: &str) -> String {
     let known = Vec::from_iter(known);

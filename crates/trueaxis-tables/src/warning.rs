@@ -1,6 +1,5 @@
 //! Warnings about settings that work, but not as well as they should.
 
-use crate::dynamic_needs::lag_beyond;
 use crate::lost_motion::{LostMotion, SWIFT_S, lost_motion};
 use crate::rates::{DriveRate, drive_rate};
 use crate::{Grid, Machine};
@@ -287,12 +286,7 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
         }
     }
     warnings.extend(lost_motion(machine).into_iter().filter(|lost| lost.ramp_in_s > SWIFT_S).map(Warning::SlowRampIn));
-    let beyond = lag_beyond(machine);
-    warnings.extend(beyond.map(|lag| Warning::LagAboveLimit {
-        axis: lag.axis,
-        needed: lag.needed,
-        feed: lag.feed_per_s,
-    }));
+    warnings.extend(machine.settings.axes.iter().filter_map(lag_above_limit));
     for (settings, table) in machine.axes() {
         let axis = settings.axis;
         let open = AxisSettings::with_defaults(axis, false).travel;
@@ -328,6 +322,14 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
         of_grid(machine, number, grid, &mut warnings);
     }
     warnings
+}
+
+/// A warning if the lag that an axis compensates exceeds the magnitude limit at the declared feed.
+fn lag_above_limit(own: &AxisSettings) -> Option<Warning> {
+    let (drive, dynamic) = (own.servo.drive.as_ref()?, own.servo.dynamic.filter(|dynamic| dynamic.lag)?);
+    let (lag_s, limit) = (dynamic.lag_s(drive), dynamic.limits.magnitude);
+    let needed = lag_s * own.max_feed_per_s;
+    (needed > limit * (1.0 + 1e-9)).then(|| Warning::LagAboveLimit { axis: own.axis, needed, feed: limit / lag_s })
 }
 
 /// The term that alone asks for the largest correction of a drive, and that correction.

@@ -10,7 +10,8 @@
 //! the axes take the mean if χ² does not exceed its 95 % quantile for n − 1 degrees of freedom. An axis without stated
 //! uncertainty counts as exact: then every axis keeps its own lag.
 
-use trueaxis::machine::{AXES, MachineSettings};
+use trueaxis::machine::MachineSettings;
+use trueaxis_metrology::uncertainty::chi_squared_quantile;
 
 /// Standard uncertainties of a drive's figures; 0: taken as exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,9 +19,6 @@ pub(super) struct DriveUncertainty {
     pub(super) position_gain_per_s: f64,
     pub(super) velocity_feed_forward: f64,
 }
-
-/// 95 % quantiles of χ² for 1 to 5 degrees of freedom.
-const QUANTILES: [f64; AXES - 1] = [3.841, 5.991, 7.815, 9.488, 11.070];
 
 /// Gives every axis that compensates its lag the mean, if the differences are not significant. `uncertain`: one entry per
 /// axis. A lag that the machine states itself stays.
@@ -35,11 +33,13 @@ pub(super) fn apply(settings: &mut MachineSettings, uncertain: &[DriveUncertaint
     if own.iter().any(|(_, uncertainty, stated)| *uncertainty <= 0.0 || *stated) {
         return;
     }
-    let Some(quantile) = own.len().checked_sub(2).and_then(|index| QUANTILES.get(index)) else { return };
+    if own.len() < 2 {
+        return;
+    }
     let weights: f64 = own.iter().map(|(_, u, _)| 1.0 / (u * u)).sum();
     let mean = own.iter().map(|(lag, u, _)| lag / (u * u)).sum::<f64>() / weights;
     let spread: f64 = own.iter().map(|(lag, u, _)| ((lag - mean) / u).powi(2)).sum();
-    if mean > 0.0 && spread <= *quantile {
+    if mean > 0.0 && spread <= chi_squared_quantile(0.95, own.len() as f64 - 1.0) {
         let dynamics = settings.axes.iter_mut().filter_map(|axis| axis.servo.dynamic.as_mut());
         dynamics.filter(|dynamic| dynamic.lag).for_each(|dynamic| dynamic.lag_s = mean);
     }
