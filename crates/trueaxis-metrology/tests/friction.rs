@@ -63,7 +63,7 @@ fn standard() -> &'static Record {
     RECORD.get_or_init(|| record(&CIRCLES, 1e-4, 0.05, &DRIVE, &FRICTION))
 }
 
-/// What is found in it with the drive's figures given.
+/// Friction identified in the standard circles, with the drive's figures given.
 fn found_in_standard() -> &'static [Identified; 2] {
     static FOUND: OnceLock<[Identified; 2]> = OnceLock::new();
     FOUND.get_or_init(|| found(standard(), Some(DRIVE)).unwrap())

@@ -4,7 +4,6 @@ use crate::error::{Result, SimError};
 use crate::learned::LearnedTable;
 use crate::motion::{Motion, MotionSettings, Setpoint};
 use crate::placement::Placement;
-use crate::plant::drive::AxisDrive;
 use crate::program::Program;
 use crate::settings::Settings;
 use std::collections::BTreeMap;
@@ -175,7 +174,7 @@ pub fn choose_model(machine: &mut Machine, model: Option<ErrorModel>, orientatio
 /// Refuses a drive for an axis that the machine does not have.
 fn check_drives(settings: &Settings, machine: &Machine) -> Result<()> {
     for (axis, own) in Axis::ALL.into_iter().zip(settings.axis.all()) {
-        if own.drive != AxisDrive::Common && machine.settings.axis(axis).is_none() {
+        if own.drive.is_some() && machine.settings.axis(axis).is_none() {
             let letters: Vec<String> = machine.axes().map(|(own, _)| own.axis.letter().to_string()).collect();
             let found = format!("a drive of axis {}", axis.letter());
             return Err(SimError::unsuited("settings", found, format!("one of {}", letters.join(", "))));

@@ -1,6 +1,6 @@
 //! Differences from axis to axis, as on real machines.
 
-use super::drive::AxisDrive;
+use super::drive::{DriveSettings, Variant};
 use crate::range::Range;
 use serde::{Deserialize, Serialize};
 use trueaxis::machine::Axis;
@@ -9,8 +9,9 @@ use trueaxis::machine::Axis;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Variation {
-    /// Drive of the axis; the factors below apply to it as to the common one.
-    pub drive: AxisDrive,
+    /// Drive of the axis, `None` for that of all axes (in settings `"common"`); the factors below apply to it.
+    #[serde(with = "drive_name")]
+    pub drive: Option<Variant>,
     /// Gains of position and velocity loop divided by the common ones.
     pub gain_factor: f64,
     /// Coulomb friction divided by the common one.
@@ -31,7 +32,7 @@ impl Variation {
             Axis::B => (0.95, 0.95),
             Axis::C => (1.01, 0.8),
         };
-        Variation { drive: AxisDrive::Common, gain_factor, friction_factor, lost_motion_mm: 0.0 }
+        Variation { drive: None, gain_factor, friction_factor, lost_motion_mm: 0.0 }
     }
 
     /// Name, value and range of every number.
@@ -42,6 +43,46 @@ impl Variation {
             range("friction_factor", self.friction_factor, 0.0, 20.0, ""),
             range("lost_motion_mm", self.lost_motion_mm, 0.0, 1.0, "mm"),
         ]
+    }
+}
+
+impl DriveSettings {
+    /// The default drive of an axis.
+    pub fn of(axis: Axis) -> DriveSettings {
+        DriveSettings::default().varied(&Variation::of(axis))
+    }
+
+    /// The drive of an axis whose gains and friction differ from the common ones.
+    pub fn varied(&self, by: &Variation) -> DriveSettings {
+        DriveSettings {
+            position_gain_per_s: self.position_gain_per_s * by.gain_factor,
+            velocity_gain_per_s: self.velocity_gain_per_s * by.gain_factor,
+            coulomb_mm_per_s2: self.coulomb_mm_per_s2 * by.friction_factor,
+            ..*self
+        }
+    }
+}
+
+/// Name in settings of the drive that all axes share.
+const COMMON: &str = "common";
+
+/// Names in settings of an axis' drive.
+pub(crate) const DRIVES: [&str; 1 + Variant::ALL.len()] = {
+    let [stiff, usual, soft, worn] = Variant::ALL;
+    [COMMON, stiff.name(), usual.name(), soft.name(), worn.name()]
+};
+
+mod drive_name {
+    use super::{COMMON, Variant};
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    pub(super) fn serialize<S: Serializer>(drive: &Option<Variant>, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(drive.map_or(COMMON, Variant::name))
+    }
+
+    pub(super) fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Option<Variant>, D::Error> {
+        let name = String::deserialize(from)?;
+        if name == COMMON { Ok(None) } else { Variant::named(&name).map(Some).map_err(D::Error::custom) }
     }
 }
 

@@ -94,8 +94,8 @@ impl Settings {
         Ok(settings)
     }
 
-    /// Changes one setting: `key` (`drive.dead_time_s`) and `value` as in the TOML form. Whether it agrees with the others is
-    /// left to [`Settings::check`], so that settings can be changed in any order.
+    /// Changes one setting: `key` (`drive.dead_time_s`) and `value` as in the TOML form.
+    /// [`Settings::check`] compares it with the other settings, so that they can be changed in any order.
     ///
     /// # Errors
     /// As [`Settings::parse`], without a line.
@@ -124,10 +124,7 @@ impl Settings {
     /// The plant with these settings, `temperature_rise_k` above the machine's reference temperature.
     pub fn plant(&self, temperature_rise_k: f64) -> PlantSettings {
         PlantSettings {
-            drives: self
-                .axis
-                .all()
-                .map(|own| Variant::of(own.drive).map_or(self.drive, Variant::settings).varied(&own)),
+            drives: self.axis.all().map(|own| own.drive.map_or(self.drive, Variant::settings).varied(&own)),
             encoders: Axis::ALL.map(|axis| if axis.is_rotary() { self.encoder.rotary } else { self.encoder.linear }),
             lost_motion_mm: self.axis.all().map(|variation| variation.lost_motion_mm),
             temperature_rise_k,
@@ -141,7 +138,7 @@ impl Settings {
         let common = self.drive.agree(period_s).err().map(|of| (format!("drive.{}", of.key), of));
         // A variant's figures agree with each other, but its resonance may be too high for the servo rate.
         let mut own = Axis::ALL.into_iter().zip(self.axis.all()).filter_map(|(axis, variation)| {
-            let variant = Variant::of(variation.drive)?;
+            let variant = variation.drive?;
             let of = variant.settings().agree(period_s).err()?;
             let found = format!("\"{}\" with its {} of {}", variant.name(), of.key, of.found);
             Some((format!("axis.{}.drive", axis.letter()), Disagreement { found, ..of }))

@@ -2,7 +2,8 @@
 
 use super::Settings;
 use crate::message::LONGEST_FOUND;
-use crate::plant::drive::{AxisDrive, ScaleAt, Variant};
+use crate::plant::drive::{ScaleAt, Variant};
+use crate::plant::variation::DRIVES;
 use std::collections::BTreeMap;
 use std::fmt;
 use toml::de::DeTable;
@@ -13,7 +14,7 @@ use trueaxis_tables::text::{line_at, one_line, one_of};
 /// Most characters of an error's `needed`, which may list every setting.
 const LONGEST_NEEDED: usize = 1200;
 
-/// Key of a drive's table that names a tuned drive. It stands for the figures and is not a setting itself.
+/// Key of a drive's table that names a tuned drive. The drive's figures replace it; it is not a setting itself.
 const VARIANT: &str = "variant";
 
 /// A setting that is refused.
@@ -55,10 +56,10 @@ fn wrong(line: u32, key: &str, found: String, needed: String) -> SettingError {
     }
 }
 
-/// What a check covers.
+/// Extent of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Extent {
-    /// Every setting by itself.
+    /// The range of every setting.
     Ranges,
     /// Also whether they agree with each other.
     All,
@@ -90,7 +91,7 @@ fn optional() -> [(&'static str, Value); 2] {
 fn names(key: &str) -> Option<&'static [&'static str]> {
     match key {
         "drive.scale_at" => Some(&ScaleAt::NAMES),
-        _ if key.starts_with("axis.") && key.ends_with(".drive") => Some(&AxisDrive::NAMES),
+        _ if key.starts_with("axis.") && key.ends_with(".drive") => Some(&DRIVES),
         _ => None,
     }
 }

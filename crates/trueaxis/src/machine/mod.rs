@@ -3,7 +3,7 @@
 //! Lengths are mm, angles of rotary *positions* are degrees, angular *errors* are radians; time is seconds.
 //! For a rotary axis every `mm` of an axis-own quantity (travel, backlash, correction limits) reads `degree`.
 //!
-//! How a compiled file stores them is not said here, but in [`crate::tcomp`]: the order of these fields is free.
+//! [`crate::tcomp`] defines how a compiled file stores them; the order of these fields is free.
 
 mod chain;
 mod curve;

@@ -1,6 +1,5 @@
 //! One axis' servo drive: position loop, velocity loop, and one moving mass with friction or motor and load.
 
-mod axis_drive;
 #[cfg(test)]
 mod frequency_response;
 mod friction;
@@ -15,7 +14,6 @@ use friction::Friction;
 use std::f64::consts::TAU;
 use two_masses::{Step, TwoMasses};
 
-pub use axis_drive::AxisDrive;
 pub use settings::{Disagreement, DriveSettings, ScaleAt};
 pub use variant::Variant;
 
@@ -27,7 +25,7 @@ const STEPS_PER_RESONANCE: f64 = 100.0;
 /// Steps of two masses in the time constant of the motor's velocity loop.
 const STEPS_PER_VELOCITY_LOOP: f64 = 10.0;
 
-/// What the drive moves.
+/// The masses that the drive moves.
 #[derive(Clone, Copy, Debug)]
 enum Mechanics {
     /// One mass: position and velocity.
@@ -91,10 +89,9 @@ impl Drive {
 
     /// Position on the encoder's side, mm (deg).
     pub fn position(&self) -> f64 {
-        match (&self.mechanics, self.settings.scale_at) {
-            (Mechanics::Rigid { position, .. }, _) => *position,
-            (Mechanics::TwoMasses(masses, _), ScaleAt::Motor) => masses.motor(&self.settings),
-            (Mechanics::TwoMasses(masses, _), ScaleAt::Load) => masses.load(&self.settings),
+        match self.settings.scale_at {
+            ScaleAt::Motor => self.motor_position(),
+            ScaleAt::Load => self.load_position(),
         }
     }
 

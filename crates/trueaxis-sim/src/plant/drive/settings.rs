@@ -1,9 +1,7 @@
 //! Figures of a drive and its axis, their ranges, and which of them agree with each other.
 
-use super::super::variation::Variation;
 use crate::range::{Range, number};
 use serde::{Deserialize, Serialize};
-use trueaxis::machine::Axis;
 
 /// Lowest resonance of a drive with two masses, Hz.
 const LOWEST_RESONANCE_HZ: f64 = 1.0;
@@ -113,21 +111,6 @@ pub struct Disagreement {
 }
 
 impl DriveSettings {
-    /// The default drive of an axis.
-    pub fn of(axis: Axis) -> DriveSettings {
-        DriveSettings::default().varied(&Variation::of(axis))
-    }
-
-    /// The drive of an axis whose gains and friction differ from the common ones.
-    pub fn varied(&self, by: &Variation) -> DriveSettings {
-        DriveSettings {
-            position_gain_per_s: self.position_gain_per_s * by.gain_factor,
-            velocity_gain_per_s: self.velocity_gain_per_s * by.gain_factor,
-            coulomb_mm_per_s2: self.coulomb_mm_per_s2 * by.friction_factor,
-            ..*self
-        }
-    }
-
     /// Antiresonance, Hz: the frequency at which the load rings while the motor is held. 0 for one rigid mass.
     ///
     /// ```text

@@ -109,7 +109,7 @@ impl TwoMasses {
         }
     }
 
-    /// The end of the play at which the spring acts; none within the play, and none where it would pull.
+    /// The end of the play at which the spring acts; `None` within the play, and where the spring would pull.
     fn contact(&self, step: &Step, play: f64) -> Option<f64> {
         if play == 0.0 {
             return Some(0.0);

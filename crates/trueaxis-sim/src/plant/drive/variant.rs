@@ -1,13 +1,10 @@
 //! Tuned drives under a name.
 
-use super::axis_drive::AxisDrive;
 use super::settings::{DriveSettings, ScaleAt};
-use serde::{Deserialize, Serialize};
 use trueaxis_tables::text::one_of;
 
 /// A drive with two masses whose loops are tuned to its mechanics: stable and damped without the plugin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variant {
     /// A short, stiff axis with a scale: a light table on a linear motor.
     Stiff,
@@ -24,7 +21,7 @@ impl Variant {
     pub const ALL: [Variant; 4] = [Variant::Stiff, Variant::Usual, Variant::Soft, Variant::Worn];
 
     /// Name in settings and on the command line.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Variant::Stiff => "stiff",
             Variant::Usual => "usual",
@@ -36,21 +33,10 @@ impl Variant {
     /// The variant of a name.
     ///
     /// # Errors
-    /// What is needed in place of an unknown name.
+    /// For an unknown name, the known ones.
     pub fn named(name: &str) -> Result<Variant, String> {
         let known = Variant::ALL.into_iter().find(|variant| variant.name() == name);
         known.ok_or_else(|| one_of(name, Variant::ALL.map(Variant::name), ", "))
-    }
-
-    /// The variant of one axis, if it has its own.
-    pub fn of(axis: AxisDrive) -> Option<Variant> {
-        match axis {
-            AxisDrive::Common => None,
-            AxisDrive::Stiff => Some(Variant::Stiff),
-            AxisDrive::Usual => Some(Variant::Usual),
-            AxisDrive::Soft => Some(Variant::Soft),
-            AxisDrive::Worn => Some(Variant::Worn),
-        }
     }
 
     /// The figures.
