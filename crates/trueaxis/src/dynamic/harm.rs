@@ -19,7 +19,7 @@
 //! the whole feedback is ramped out. An oscillation that stays has another cause; until the next trial of one that does
 //! not grow, 0.5 s pass, then twice as long each time, unless A grows by half.
 //!
-//! Cost: three multiplications and some 15 other instructions for each direction and cycle; nothing divides.
+//! Cost: 135 instructions a cycle on a Cortex-M4F, for three directions; nothing divides.
 
 #![deny(clippy::indexing_slicing)]
 
