@@ -1,19 +1,14 @@
 //! `firmware-sim calibrate`: arguments and output.
 
-use crate::console::{counting_bar, put};
+use crate::console::{conclude, counting_bar};
 use crate::given::{text_or, up_to};
 use anyhow::{Result, bail};
 use clap::Args;
-use firmware_sim::report::calibration::page;
-use std::fmt::Write;
+use firmware_sim::report::calibration::{page, shown};
 use std::path::PathBuf;
-use trueaxis_evaluation::simulated::calibration::{
-    Conditions, FIVE_AXES, MILL, Machines, Summary, TaskText, all, summary,
-};
-use trueaxis_report::number::significant;
+use trueaxis_evaluation::simulated::calibration::{Conditions, FIVE_AXES, MILL, Machines, TaskText, all, summary};
 use trueaxis_sim::calibration::Class;
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::text::counted;
 
 /// Maximum number of machines in a run.
 const MOST: u64 = 100_000;
@@ -77,64 +72,12 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
     let machines = all(args.machines, args.seed, tasks, &class, &conditions, &|| bar.inc(1))?;
     bar.finish_and_clear();
     let found = summary(&machines);
-    if let Some(directory) = &args.report {
-        let mut outputs = Outputs::default();
-        outputs.folder(directory)?;
-        outputs.put(&directory.join("calibration.html"), page(&machines, &found).as_bytes())?;
-        outputs.commit()?;
-    }
-    if args.json {
-        let Machines { three_axes, five_axes, refused } = machines;
-        let document = serde_json::json!({
-            "summary": found, "three_axes": three_axes, "five_axes": five_axes, "refused": refused,
-        });
-        return put(&trueaxis_evaluation::json::pretty(&document)?);
-    }
-    put(&text(&machines, &found)?)
-}
-
-fn text(machines: &Machines, found: &Summary) -> Result<String> {
-    let (three, five) = (&machines.three_axes, &machines.five_axes);
-    let um = |value: f64| significant(value, 3);
-    let mut text = String::from("seed      before RMS / max µm     after RMS / max µm     removed\n");
-    for one in three.iter().take(20) {
-        let (before, after) = (one.before_um, one.after_um);
-        writeln!(
-            text,
-            "{:<8} {:>9} / {:<9} {:>10} / {:<9} {:>8.1} %",
-            one.seed,
-            um(before.rms),
-            um(before.max),
-            um(after.rms),
-            um(after.max),
-            100.0 * one.removed
-        )?;
-    }
-    if three.len() > 20 {
-        writeln!(text, "… {} more", three.len() - 20)?;
-    }
-    writeln!(
-        text,
-        "\n{}: {:.1} % of the volumetric error removed at the median, {:.1} % at the least, {} made worse",
-        counted(found.machines, "three-axis machine"),
-        100.0 * found.median_removed,
-        100.0 * found.least_removed,
-        found.made_worse
-    )?;
-    writeln!(
-        text,
-        "{}: centre lines within {} µm and {} µrad, at the median {} µm and {} µrad",
-        counted(five.len(), "five-axis machine"),
-        um(found.worst_place_um),
-        um(found.worst_tilt_urad),
-        um(found.median_place_um),
-        um(found.median_tilt_urad)
-    )?;
-    if found.refused > 0 {
-        writeln!(text, "{} refused, which the figures do not include:", counted(found.refused, "machine"))?;
-    }
-    for one in &machines.refused {
-        writeln!(text, "  {one}")?;
-    }
-    Ok(text)
+    let shown = shown(&machines, &found);
+    let Machines { three_axes, five_axes, refused } = &machines;
+    let document = serde_json::json!({
+        "summary": found, "three_axes": three_axes, "five_axes": five_axes, "refused": refused,
+    });
+    conclude(args.json, &document, &shown, (args.report.as_deref(), Outputs::default()), || {
+        vec![("calibration.html".into(), page(&machines, &shown))]
+    })
 }

@@ -4,7 +4,7 @@ use crate::console::{put, report_line};
 use crate::machine_arg::{outputs_of, read_machine};
 use crate::record::{self, How};
 use crate::scenario_args::{ScenarioArgs, prepare};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use firmware_sim::compare::Inputs;
 use firmware_sim::compare::image::{self, Core};
@@ -130,12 +130,8 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
     }
     let images: Vec<(Core, &Path)> = images.iter().map(|(core, elf)| (*core, elf.as_path())).collect();
     let outcome = inputs.compare(&images, &args.output)?;
-    let page = match &args.report {
-        Some(dir) => Some(
-            report::compare::write(&outcome, dir).with_context(|| format!("cannot write into {}", dir.display()))?,
-        ),
-        None => None,
-    };
+    let files = || [("compare.html".into(), report::compare::render(&outcome))];
+    let page = args.report.as_ref().map(|dir| report::write(outputs, dir, &files())).transpose()?;
     if args.json {
         put(&trueaxis_evaluation::json::pretty(&outcome.json())?)?;
     } else {

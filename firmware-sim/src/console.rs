@@ -1,8 +1,13 @@
 //! Standard output, standard error and the progress bar.
 
 use anyhow::Result;
+use firmware_sim::report;
 use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 use std::io::Write;
+use std::path::Path;
+use trueaxis_evaluation::shown::Shown;
+use trueaxis_tables::output::Outputs;
 
 /// A progress bar in thousandths on standard error.
 pub(crate) fn progress_bar(message: &'static str) -> ProgressBar {
@@ -37,6 +42,22 @@ pub(crate) fn put(text: &str) -> Result<()> {
         std::io::ErrorKind::BrokenPipe => Closed.into(),
         _ => anyhow::Error::new(error).context("cannot write to the standard output"),
     })
+}
+
+/// Ends a command: writes the files of a page into a folder, if one was given, and prints the document or the text.
+pub(crate) fn conclude<D: Serialize>(
+    as_json: bool,
+    document: &D,
+    shown: &Shown,
+    (folder, outputs): (Option<&Path>, Outputs),
+    files: impl FnOnce() -> Vec<(String, String)>,
+) -> Result<()> {
+    let page = folder.map(|folder| report::write(outputs, folder, &files())).transpose()?;
+    if as_json {
+        return put(&trueaxis_evaluation::json::pretty(document)?);
+    }
+    let page = page.map_or(String::new(), |page| format!("\nwritten  {}\n", page.display()));
+    put(&(shown.text() + &page))
 }
 
 /// Writes a line to standard error, and ignores a closed one: nobody could read the report.

@@ -1,14 +1,14 @@
 //! `firmware-sim grind`: arguments and output.
 
-use crate::console::{progress_bar, put};
-use crate::grinding_text::{self, Summary};
+use crate::console::{conclude, progress_bar};
 use crate::machine_arg::{outputs_of, read_machine};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use firmware_sim::latency::timed;
-use firmware_sim::report;
+use firmware_sim::report::grinding::{page, shown};
+use serde::Serialize;
 use std::path::PathBuf;
-use trueaxis_sim::grinding::{self, Grinding, Process, Request};
+use trueaxis_sim::grinding::{self, Grinding, GrindingDocument, Process, Request};
 
 const HELP: &str = "\
 Both runs have the same seed; the true surface is measured after every revolution.
@@ -63,6 +63,15 @@ pub(crate) struct GrindArgs {
     report: Option<PathBuf>,
 }
 
+/// The document that `--json` prints.
+#[derive(Serialize)]
+struct Ground {
+    #[serde(flatten)]
+    figures: GrindingDocument,
+    /// Time taken by both runs.
+    wall_s: f64,
+}
+
 fn prepare(args: &GrindArgs) -> Result<Grinding> {
     let GrindArgs { revolutions, rate_hz, speed_rpm, gain, skip, feed_um, seed, .. } = *args;
     let request = Request { revolutions, rate_hz, speed_rpm, gain, skip, feed_um, seed };
@@ -71,25 +80,17 @@ fn prepare(args: &GrindArgs) -> Result<Grinding> {
 }
 
 pub(crate) fn grind(args: &GrindArgs) -> Result<()> {
-    if let Some(dir) = &args.report {
-        outputs_of([args.machine.as_path()], []).refuse_input(&dir.join("grinding.html"))?;
-    }
+    let outputs = outputs_of([args.machine.as_path()], []);
+    args.report.iter().try_for_each(|dir| outputs.refuse_input(&dir.join("grinding.html")))?;
     let grinding = prepare(args)?;
     let bar = progress_bar("grinding");
     let mut progress = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
     let (outcome, nanoseconds) = timed(|| grinding::simulate(&grinding, &mut progress));
     let (outcome, wall_s) = (outcome?, 1e-9 * nanoseconds as f64);
     bar.finish_and_clear();
-    let page = match &args.report {
-        Some(dir) => Some(
-            report::grinding::write(&grinding, &outcome, dir)
-                .with_context(|| format!("cannot write into {}", dir.display()))?,
-        ),
-        None => None,
-    };
-    if args.json {
-        return put(&trueaxis_evaluation::json::pretty(&grinding_text::json(&outcome, &grinding, wall_s)?)?);
-    }
-    let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
-    put(&(Summary { outcome: &outcome, grinding: &grinding, wall_s }.to_string() + &page))
+    let shown = shown(&grinding, &outcome, wall_s)?;
+    let document = Ground { figures: GrindingDocument::new(&outcome, &grinding)?, wall_s };
+    conclude(args.json, &document, &shown, (args.report.as_deref(), outputs), || {
+        vec![("grinding.html".into(), page(&grinding, &outcome, &shown))]
+    })
 }

@@ -1,16 +1,13 @@
 //! `firmware-sim keep`: arguments and output.
 
-use crate::console::{counting_bar, put};
+use crate::console::{conclude, counting_bar};
 use crate::given::{even, text_or, up_to};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use firmware_sim::report::keeping::page;
-use std::fmt::Write;
+use firmware_sim::report::keeping::{page, shown};
 use std::path::PathBuf;
-use trueaxis_evaluation::simulated::keeping::{FIVE_AXES, MILL, Outcome, Shift};
-use trueaxis_report::number::significant;
+use trueaxis_evaluation::simulated::keeping::{FIVE_AXES, MILL, Shift};
 use trueaxis_tables::output::Outputs;
-use trueaxis_tables::text::counted;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Kind {
@@ -83,48 +80,8 @@ pub(crate) fn keep(args: &KeepArgs) -> Result<()> {
     let outcome = shift.run(&|| bar.inc(1));
     bar.finish_and_clear();
     let outcome = outcome?;
-    if let Some(directory) = &args.report {
-        let mut outputs = Outputs::of(args.task.iter());
-        outputs.folder(directory)?;
-        outputs.put(&directory.join("keeping.html"), page(&outcome).as_bytes())?;
-        outputs.commit()?;
-    }
-    if args.json {
-        return put(&trueaxis_evaluation::json::pretty(&outcome)?);
-    }
-    put(&text(&outcome)?)
-}
-
-fn text(outcome: &Outcome) -> Result<String> {
-    let um = |value: f64| significant(value, 3);
-    let mut text = format!("{}, {}\n\n", outcome.machine, counted(outcome.parts.len(), "part"));
-    writeln!(text, "error of the tip over volume and shift, µm    without       with")?;
-    writeln!(
-        text,
-        "  RMS                                     {:>10} {:>10}",
-        um(outcome.rms_um[0]),
-        um(outcome.rms_um[1])
-    )?;
-    writeln!(
-        text,
-        "  largest                                 {:>10} {:>10}",
-        um(outcome.largest_um[0]),
-        um(outcome.largest_um[1])
-    )?;
-    let (reprobings, updates, refusals) = (outcome.reprobings.len(), outcome.updates, outcome.refusals);
-    writeln!(text, "\n{}: {updates} with updates, {refusals} for a person", counted(reprobings, "re-probing"))?;
-    for reprobing in &outcome.reprobings {
-        for reason in reprobing.refused.iter().chain(&reprobing.log_refused) {
-            writeln!(text, "  after part {}: {reason}", reprobing.parts)?;
-        }
-    }
-    let ramped_in = outcome.longest_ramp_in_s.map_or("never".into(), |time| format!("within {} s", um(time)));
-    writeln!(
-        text,
-        "exchanges in motion: tables up to {} µm apart, largest step in a cycle {} µm, {:.0} % of the limits, fully applied {ramped_in}",
-        um(outcome.largest_difference_um),
-        um(outcome.largest_step_um),
-        1e2 * outcome.of_limits
-    )?;
-    Ok(text)
+    let (shown, outputs) = (shown(&outcome), Outputs::of(args.task.iter()));
+    conclude(args.json, &outcome, &shown, (args.report.as_deref(), outputs), || {
+        vec![("keeping.html".into(), page(&outcome, &shown))]
+    })
 }

@@ -9,7 +9,9 @@ use anyhow::{Result, anyhow};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
+use trueaxis_evaluation::shown::{Cell, Shown, Table};
 use trueaxis_sim::learning::{self, DEFAULT_CUTOFF_MM, DEFAULT_FORGET, DEFAULT_GAIN, Law, Part};
+use trueaxis_sim::run::ErrorSize;
 
 const HELP: &str = "\
 Between two parts, the correction over path length is learned from the contour error that the step itself estimates, \
@@ -107,29 +109,34 @@ pub(crate) fn learn(args: &LearnArgs) -> Result<()> {
         return put(&trueaxis_evaluation::json::pretty(&document)?);
     }
     let written = args.output.iter().map(|file| format!("written  {}\n", file.display()));
-    put(&(table(machine, program, &law, &parts) + &written.collect::<String>()))
+    put(&(shown(machine, program, &law, &parts).text() + &written.collect::<String>()))
 }
 
 impl Made {
     fn of(part: usize, made: &Part) -> Made {
-        let size = |size: trueaxis_sim::run::ErrorSize| Size { max: size.max_um, rms: size.rms_um };
+        let size = |size: ErrorSize| Size { max: size.max_um, rms: size.rms_um };
         Made { part, contour_error_um: size(made.error), estimated_um: size(made.estimated), stopped: made.stopped }
     }
 }
 
-fn table(machine: &str, program: &str, law: &Law, parts: &[Part]) -> String {
+fn shown(machine: &str, program: &str, law: &Law, parts: &[Part]) -> Shown {
     let first = parts.first().map_or(1.0, |part| part.error.rms_um);
-    let row = |(number, part): (usize, &Part)| {
-        let (error, share) = (part.error, 1e2 * part.error.rms_um / first);
-        let stopped = if part.stopped { "  stopped" } else { "" };
-        format!("{number:>4} {:>12.4} {:>12.4} {share:>10.1} %{stopped}\n", error.max_um, error.rms_um)
-    };
-    format!(
-        "{program} on {machine}, full; gain {}, forgetting {}, cut-off {} mm\n\n\
-         part  largest, µm      RMS, µm   of the first\n{}",
-        law.gain,
-        law.forget,
-        law.cutoff_mm,
-        (1..).zip(parts).map(row).collect::<String>()
-    )
+    let rows = (1..).zip(parts).map(|(number, part)| {
+        let ErrorSize { max_um, rms_um } = part.error;
+        let [max, rms] = [max_um, rms_um].map(|um| Cell::number(um, 3));
+        let end = if part.stopped { "stopped" } else { "" };
+        vec![Cell::count(number), max, rms, Cell::percent(rms_um / first), end.into()]
+    });
+    let head = ["part", "largest, µm", "RMS, µm", "of the first, %", ""];
+    Shown {
+        title: "Learning part by part".into(),
+        summary: vec![
+            format!("{program} on {machine}, full"),
+            format!("gain {}", law.gain),
+            format!("forgetting {}", law.forget),
+            format!("cut-off {} mm", law.cutoff_mm),
+        ],
+        tables: vec![Table::new("Contour error of the tool tip", head, rows)],
+        ..Shown::default()
+    }
 }

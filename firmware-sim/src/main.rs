@@ -11,7 +11,6 @@ mod console;
 mod friction;
 mod given;
 mod grind;
-mod grinding_text;
 mod keep;
 mod learn;
 mod machine_arg;

@@ -1,12 +1,12 @@
 //! `firmware-sim rtcp`: arguments and output.
 
-use crate::ball_test_text as text;
-use crate::console::put;
+use crate::ball_test_text::json;
+use crate::console::conclude;
 use crate::given::up_to;
 use crate::machine_arg::{outputs_of, read_machine};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
-use firmware_sim::report;
+use firmware_sim::report::ball_test::{page, shown};
 use std::path::PathBuf;
 use trueaxis_sim::ball_test::BallCycle;
 
@@ -42,8 +42,8 @@ pub(crate) struct RtcpArgs {
 
 pub(crate) fn rtcp(args: &RtcpArgs) -> Result<()> {
     up_to(100.0, "--gauge-noise-um", args.gauge_noise_um)?;
+    let outputs = outputs_of([args.machine.as_path()], []);
     if let Some(dir) = &args.report {
-        let outputs = outputs_of([args.machine.as_path()], []);
         for name in ["rtcp.html", "measured-c.csv", "measured-a.csv", "c.csv", "a.csv"] {
             outputs.refuse_input(&dir.join(name))?;
         }
@@ -54,16 +54,8 @@ pub(crate) fn rtcp(args: &RtcpArgs) -> Result<()> {
         seed: args.seed,
     };
     let outcome = test.run()?;
-    let page = match &args.report {
-        Some(dir) => Some(
-            report::ball_test::write(&test, &outcome, dir)
-                .with_context(|| format!("cannot write into {}", dir.display()))?,
-        ),
-        None => None,
-    };
-    if args.json {
-        return put(&trueaxis_evaluation::json::pretty(&text::json(&outcome, &test))?);
-    }
-    let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
-    put(&format!("{}{page}", report::ball_test::shown(&test, &outcome).text()))
+    let shown = shown(&test, &outcome);
+    conclude(args.json, &json(&outcome, &test), &shown, (args.report.as_deref(), outputs), || {
+        outcome.files().into_iter().chain([("rtcp.html".into(), page(&test, &outcome, &shown))]).collect()
+    })
 }

@@ -141,7 +141,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         put(&trueaxis_evaluation::json::pretty(&outcome.json(&scenario))?)
     } else {
         let files = written.iter().map(|file| format!("written  {}\n", file.display()));
-        put(&(outcome.summary(&scenario).to_string() + &noted(&scenario.program) + &files.collect::<String>()))
+        put(&(outcome.shown(&scenario, &[]).text() + &noted(&scenario.program) + &files.collect::<String>()))
     }
 }
 

@@ -1,12 +1,12 @@
 //! `firmware-sim thermal`: arguments and output.
 
-use crate::console::{progress_bar, put};
+use crate::console::{conclude, progress_bar};
 use crate::given::{even, up_to};
 use crate::machine_arg::{outputs_of, read_machine};
-use crate::thermal_text as text;
-use anyhow::{Context, Result};
+use crate::thermal_text::json;
+use anyhow::Result;
 use clap::Args;
-use firmware_sim::report;
+use firmware_sim::report::thermal::{page, record, shown};
 use std::path::PathBuf;
 use trueaxis_sim::warming::{SENSORS, Warming};
 
@@ -55,8 +55,8 @@ pub(crate) struct ThermalArgs {
 pub(crate) fn thermal(args: &ThermalArgs) -> Result<()> {
     up_to(100.0, "--noise-um", args.noise_um)?;
     even("--update-s", args.update_s)?;
+    let outputs = outputs_of([args.machine.as_path()], []);
     if let Some(dir) = &args.report {
-        let outputs = outputs_of([args.machine.as_path()], []);
         for name in ["thermal.html", "record.csv"] {
             outputs.refuse_input(&dir.join(name))?;
         }
@@ -76,16 +76,8 @@ pub(crate) fn thermal(args: &ThermalArgs) -> Result<()> {
     });
     bar.finish_and_clear();
     let outcome = outcome?;
-    let page = match &args.report {
-        Some(dir) => Some(
-            report::thermal::write(&warming, &outcome, dir)
-                .with_context(|| format!("cannot write into {}", dir.display()))?,
-        ),
-        None => None,
-    };
-    if args.json {
-        return put(&trueaxis_evaluation::json::pretty(&text::json(&warming, &outcome))?);
-    }
-    let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
-    put(&format!("{}{page}", text::summary(&warming, &outcome)))
+    let shown = shown(&warming, &outcome);
+    conclude(args.json, &json(&warming, &outcome), &shown, (args.report.as_deref(), outputs), || {
+        vec![("record.csv".into(), record(&outcome)), ("thermal.html".into(), page(&outcome, &shown))]
+    })
 }

@@ -1,6 +1,6 @@
 //! Simulated shifts of machines that re-probe balls and update their tables.
 
-use firmware_sim::report::keeping::page;
+use firmware_sim::report::keeping::{page, shown};
 use trueaxis_evaluation::simulated::keeping::{FIVE_AXES, MILL, Outcome, Shift};
 
 fn shift(seed: u64, five_axes: bool, parts: u32, hit: Option<u32>) -> Outcome {
@@ -25,7 +25,7 @@ fn a_mill_with_three_balls_stays_true_over_a_shift() {
     let outcome = shift(1, false, 24, None);
     assert!(outcome.rms_um[1] < 0.4 * outcome.rms_um[0], "{:?}", outcome.rms_um);
     ramped_in(&outcome);
-    assert!(page(&outcome).trim_end().ends_with("</html>"));
+    assert!(page(&outcome, &shown(&outcome)).trim_end().ends_with("</html>"));
 }
 
 #[test]

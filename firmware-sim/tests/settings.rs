@@ -54,7 +54,7 @@ fn a_run_with_the_file_is_the_run_with_the_flags() {
     let rms = |of: &Value| of["contour_error_um"]["servo_only"]["rms"].as_f64().unwrap();
     assert!(rms(&of_file) > 1.2 * rms(&plain), "{} {}", rms(&of_file), rms(&plain));
     let summary = folder.good(&["run", "--program", "short-tour", "--scenario", "mine.toml"]);
-    assert!(summary.contains("setting  drive.position_gain_per_s = 60.0 (default 110.0)"), "{summary}");
+    assert!(summary.contains("note: setting drive.position_gain_per_s = 60.0 (default 110.0)"), "{summary}");
 }
 
 #[test]

@@ -97,7 +97,7 @@ pub(crate) fn run(arguments: &UncertaintyArgs) -> Result<()> {
     let document = evaluate(&machine, &stated, &options)?;
     if let Some(to) = &arguments.report {
         let mut outputs = Outputs::of(model::files(&arguments.machine));
-        let page = report::page(&document.machine, &document.shown(), report::uncertainty::figures(&document));
+        let page = document.shown().page(&document.machine, report::uncertainty::figures(&document));
         report::write_to(&mut outputs, &page, to, "uncertainty.html")?;
         outputs.commit()?;
     }

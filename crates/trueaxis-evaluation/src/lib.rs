@@ -37,7 +37,7 @@ pub mod response;
 pub mod roundness;
 pub mod rows;
 pub mod shown;
-#[cfg(feature = "simulated")]
+#[cfg(feature = "simulation")]
 pub mod simulated;
 pub mod thermal;
 pub mod thermal_test;

@@ -1,14 +1,14 @@
-//! Comparison of the runs of a scenario: console summary, JSON, report.
+//! Comparison of the runs of a scenario: tables, JSON, report.
 
 mod json;
-mod page;
-mod summary;
+mod shown;
 
 pub use json::Cost;
-pub use summary::Summary;
 
 use crate::latency::{Latency, timed};
 use crate::pace::{self, Pace, PaceReport};
+use crate::report::Report;
+use crate::series::Series;
 use crate::stopwatch::Stopwatch;
 use anyhow::{Result, anyhow, bail};
 use std::ops::ControlFlow;
@@ -100,6 +100,28 @@ fn pace(scenario: &Arc<Scenario>, budget_ns: u64) -> Result<(Latency, PaceReport
 }
 
 impl Outcome {
+    /// The contents of the HTML page; `series` has recorded the runs.
+    pub fn report(&self, scenario: &Scenario, series: &Series) -> Report {
+        let mut contour = series.contour();
+        let mut length = 0.0;
+        for step in &scenario.program.moves {
+            contour.program_lines.push((length, step.line));
+            length += step.length();
+        }
+        let axes = series.axes();
+        Report {
+            shown: self.shown(scenario, &axes),
+            orientation: series.orientation(),
+            contour,
+            path: series.path(),
+            circle: series.circle(),
+            reversals: series.reversals(),
+            axes,
+            latency: self.latency.summary(),
+            latency_buckets: self.latency.buckets().collect(),
+        }
+    }
+
     /// Remarks on how the runs went.
     pub fn notes(&self, scenario: &Scenario) -> Vec<String> {
         [self.notes_on_time(), run::notes(scenario, self.cycles, &self.machines())].concat()

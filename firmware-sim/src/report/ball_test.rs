@@ -1,56 +1,24 @@
-//! The HTML report of a ball test.
+//! A ball test: its tables, and the figures of its page.
 
-use super::write_page;
 use crate::ball_test::{AxisOutcome, BallCycle, Outcome, TipError};
 use maud::{Markup, html};
-use std::{
-    io,
-    path::{Path, PathBuf},
-};
 use trueaxis_evaluation::shown::{Cell, Shown, Table, half_width};
 use trueaxis_report::{
-    BARS, Figure, Page, Scale, Stroke, colour, error_bars,
+    BARS, Figure, Scale, Stroke, colour, error_bars,
     number::{quantity, significant},
     residuals,
 };
 
-/// Writes the page to `rtcp.html` in `directory`, with the readings and the tables; creates the folder if needed.
-///
-/// # Errors
-/// The file system's error if the page cannot be written. A failure leaves no file behind.
-pub fn write(test: &BallCycle, outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
-    write_page(directory, "rtcp.html", &render(test, outcome), outcome.files())
-}
-
 /// The page as one HTML document that is also well-formed XML.
 #[must_use]
-pub fn render(test: &BallCycle, outcome: &Outcome) -> String {
+pub fn page(test: &BallCycle, outcome: &Outcome, shown: &Shown) -> String {
     let axes = &outcome.axes;
-    let shown = shown(test, outcome);
-    Page::new(&shown.title)
-        .top(summary(&shown, outcome))
-        .section("True tip error over the angle", html! { @for of in axes { (tip_error(of)) } })
-        .section("Identified errors", html! { @for of in axes { (identified(test, of)) } })
-        .section("Residuals", html! { @for of in axes { (residuals_of(of)) } })
-        .document()
-}
-
-fn summary(shown: &Shown, outcome: &Outcome) -> Markup {
-    let left = significant(100.0 * outcome.after.rms / outcome.before.rms, 2);
-    html! {
-        (trueaxis_report::summary(shown.summary.iter().map(|part| html! { (part) })))
-        p.result {
-            "Of the tip error that the rotary axes cause, " strong { (left) " %" } " remains: "
-            strong { (quantity(outcome.after.rms, "µm")) } " rms instead of "
-            strong { (quantity(outcome.before.rms, "µm")) } "."
-        }
-        p {
-            "Three set-ups of a ball for either axis, RTCP holding its centre; linear axes are perfect. The identified \
-             tables were compiled and used by the volumetric correction; the true tip error is judged at every degree, \
-             not only at the stops of the gauge."
-        }
-        @for table in &shown.tables { (trueaxis_report::Table::from(table).caption(&table.caption)) }
-    }
+    let sections = [
+        ("True tip error over the angle", html! { @for of in axes { (tip_error(of)) } }),
+        ("Identified errors", html! { @for of in axes { (identified(test, of)) } }),
+        ("Residuals", html! { @for of in axes { (residuals_of(of)) } }),
+    ];
+    shown.page("", sections)
 }
 
 /// Tables of the test: the true tip error, and the fit of both axes.
@@ -78,7 +46,19 @@ pub fn shown(test: &BallCycle, outcome: &Outcome) -> Shown {
             format!("gauge {} a reading", quantity(test.gauge_noise_um, "µm")),
             format!("seed {}", test.seed),
         ],
-        notes: vec!["the linear axes are perfect".into()],
+        result: format!(
+            "Of the tip error that the rotary axes cause, {} % remains: {} RMS instead of {}.",
+            significant(100.0 * outcome.after.rms / outcome.before.rms, 2),
+            quantity(outcome.after.rms, "µm"),
+            quantity(outcome.before.rms, "µm")
+        ),
+        notes: [
+            "three set-ups of a ball for either axis, RTCP holding its centre; the linear axes are perfect",
+            "the identified tables were compiled and used by the volumetric correction; the true tip error is judged at every \
+             degree, not only at the stops of the gauge",
+        ]
+        .map(String::from)
+        .into(),
         tables: vec![
             Table::new("True tip error, µm", ["", "before, max", "rms", "after, max", "rms", "left, rms, %"], rows),
             Table::new("Fit", ["axis", "sigma of a reading, µm", "degrees of freedom"], fit),

@@ -1,13 +1,8 @@
 //! The HTML report of a comparison.
 
-use super::write_page;
 use crate::compare::outputs::Row as Cycle;
 use crate::compare::{Comparison, Outcome};
 use maud::{Markup, html};
-use std::{
-    io,
-    path::{Path, PathBuf},
-};
 use trueaxis::contour::Flags;
 use trueaxis_report::{
     Colour, Figure, Page, Row, Scale, Stroke, Table, colour, decimate, emphasised,
@@ -17,14 +12,6 @@ use trueaxis_report::{
 
 /// Buckets of a curve: the width of the widest figure in px.
 const BUCKETS: usize = 1040;
-
-/// Writes the page to `compare.html` in `directory`, which is created if needed.
-///
-/// # Errors
-/// The file system's error if the page cannot be written. A failure leaves no file behind.
-pub fn write(outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
-    write_page(directory, "compare.html", &render(outcome), Vec::new())
-}
 
 /// The page as one HTML document that is also well-formed XML.
 #[must_use]

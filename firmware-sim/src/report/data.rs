@@ -1,26 +1,15 @@
 //! The data of the simulator's report.
 
 use crate::latency::{LatencyBucket, LatencySummary};
+use trueaxis_evaluation::shown::Shown;
 
 pub use trueaxis_sim::run::{AngleSize, ErrorSize};
 
 /// All data shown on the page.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Report {
-    /// Heading of the page.
-    pub title: String,
-    /// Name of the machine.
-    pub machine: String,
-    /// Name of the part program.
-    pub program: String,
-    /// Structural code of the machine from workpiece to tool (in the style of ISO 10791-6), e.g. `w X' b Y Z t`.
-    pub chain: String,
-    /// Servo rate in Hz.
-    pub servo_rate_hz: f64,
-    /// Servo cycles simulated.
-    pub cycles: u64,
-    /// Contour error of the true tool tip in the runs.
-    pub contour_error: ContourErrors,
+    /// Summary, tables, faults and notes.
+    pub shown: Shown,
     /// Contour error over the path.
     pub contour: ContourSeries,
     /// Tool direction over the path; empty for a program of X, Y, Z alone.
@@ -37,23 +26,6 @@ pub struct Report {
     pub latency: LatencySummary,
     /// The latency histogram.
     pub latency_buckets: Vec<LatencyBucket>,
-    /// Faults that occurred, in order.
-    pub faults: Vec<FaultEntry>,
-    /// Remarks, e.g. the real-time facilities that the host refused.
-    pub notes: Vec<String>,
-}
-
-/// Contour error of the true tool tip against the programmed path, in runs with the same servo and seed.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct ContourErrors {
-    /// Machine with its geometric errors, compensation off.
-    pub uncompensated: ErrorSize,
-    /// Machine with its geometric errors, compensation on.
-    pub compensated: ErrorSize,
-    /// A geometrically perfect machine: the error of the servo alone.
-    pub servo_only: ErrorSize,
-    /// The machine with geometry and servo corrected, where it has dynamic parts.
-    pub full: Option<ErrorSize>,
 }
 
 /// Contour error over the path: `[path length in mm, error in µm]`, without sign.
@@ -163,17 +135,4 @@ pub struct AxisReport {
     pub slope_limit: f64,
     /// Limit of the correction's acceleration in m/s².
     pub acceleration_limit: f64,
-}
-
-/// A fault that the step reported.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct FaultEntry {
-    /// Time of the first occurrence, in s.
-    pub time_s: f64,
-    /// Code or name.
-    pub code: String,
-    /// Description in words.
-    pub description: String,
-    /// Number of cycles that reported it.
-    pub cycles: u64,
 }

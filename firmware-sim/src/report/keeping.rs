@@ -1,50 +1,75 @@
-//! The HTML report of a shift.
+//! A shift of a machine that keeps itself true: its tables, and the figures of its page.
 
 use maud::html;
-use trueaxis_evaluation::simulated::keeping::{Outcome, Part};
-use trueaxis_report::number::{quantity, significant};
-use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, summary};
+use trueaxis_evaluation::shown::{Cell, Shown, Table};
+use trueaxis_evaluation::simulated::keeping::{Evaluated, Outcome, Part};
+use trueaxis_report::number::quantity;
+use trueaxis_report::{Figure, Scale, Stroke, colour};
+use trueaxis_sim::exchange::Exchanged;
 use trueaxis_tables::text::counted;
 
-/// Renders the whole page.
-pub fn page(outcome: &Outcome) -> String {
+/// The whole page.
+#[must_use]
+pub fn page(outcome: &Outcome, shown: &Shown) -> String {
+    let figures = html! { (figure(outcome, 0, "RMS over the volume")) (figure(outcome, 1, "largest in the volume")) };
+    shown.page("", [("Error of the tip", figures)])
+}
+
+/// The error of the tip, the re-probings, and the exchanges of tables.
+#[must_use]
+pub fn shown(outcome: &Outcome) -> Shown {
     let um = |value: f64| quantity(value, "µm");
-    let reprobings = outcome.reprobings.iter().map(|reprobing| {
-        let what = match (&reprobing.log_refused, reprobing.refused.as_slice()) {
-            (Some(reason), _) => reason.clone(),
-            (None, []) if reprobing.updates == 0 => "nothing to change".into(),
-            (None, []) => counted(reprobing.updates, "term"),
-            (None, reasons) => format!("refused: {}", reasons.join("; ")),
-        };
-        let [difference, step, limits] = reprobing.exchanged.map_or([const { String::new() }; 3], |own| {
-            [
-                significant(1e3 * own.difference, 3),
-                significant(1e3 * own.largest_step, 3),
-                format!("{:.0} %", 1e2 * own.of_limits),
-            ]
-        });
-        Row::new(format!("after part {}", reprobing.parts), [what, difference, step, limits])
-    });
-    let head = ["re-probing", "updated", "new − old tables, µm", "largest step in a cycle, µm", "of the limits"];
-    Page::new("A machine that keeps itself true")
-        .top(summary([
-            html! { (outcome.machine) },
-            html! { (counted(outcome.parts.len(), "part")) },
-            html! { (counted(outcome.updates, "update")) ", " (counted(outcome.refusals, "refusal")) },
-        ]))
-        .top(html! {
-            p.result {
-                "Over the shift and the volume the error of the tip is " strong { (um(outcome.rms_um[1])) } " RMS instead of "
-                strong { (um(outcome.rms_um[0])) } ", at most by " (um(outcome.largest_um[1])) " instead of "
-                (um(outcome.largest_um[0])) "."
-            }
-        })
-        .section(
-            "Error of the tip",
-            html! { (figure(outcome, 0, "RMS over the volume")) (figure(outcome, 1, "largest in the volume")) },
-        )
-        .section("Re-probings", Table::new(head, reprobings).words(&[1]))
-        .document()
+    let row = |name: &str, of: [f64; 2]| {
+        std::iter::once(name.into()).chain(of.map(|um| Cell::number(um, 3))).collect::<Vec<_>>()
+    };
+    let errors = [row("RMS", outcome.rms_um), row("largest", outcome.largest_um)];
+    let exchanges = [
+        ("new − old tables, at most, µm", Cell::number(outcome.largest_difference_um, 3)),
+        ("largest step in a cycle, µm", Cell::number(outcome.largest_step_um, 3)),
+        ("of the limits, %", Cell::fixed(1e2 * outcome.of_limits, 0)),
+        ("fully applied within, s", outcome.longest_ramp_in_s.map_or("never".into(), |time| Cell::number(time, 3))),
+    ];
+    let head = ["re-probing", "updated", "new − old tables, µm", "largest step in a cycle, µm", "of the limits, %"];
+    Shown {
+        title: "A machine that keeps itself true".into(),
+        summary: vec![
+            outcome.machine.clone(),
+            counted(outcome.parts.len(), "part"),
+            format!("{} for a person", counted(outcome.refusals, "re-probing")),
+            counted(outcome.updates, "update"),
+        ],
+        result: format!(
+            "Over the shift and the volume the error of the tip is {} RMS instead of {}, at most {} instead of {}.",
+            um(outcome.rms_um[1]),
+            um(outcome.rms_um[0]),
+            um(outcome.largest_um[1]),
+            um(outcome.largest_um[0])
+        ),
+        tables: vec![
+            Table::new("Error of the tip over volume and shift, µm", ["", "without", "with"], errors),
+            Table::new("Re-probings", head, outcome.reprobings.iter().map(reprobing)),
+            Table::figures("Exchanges in motion", exchanges),
+        ],
+        ..Shown::default()
+    }
+}
+
+fn reprobing(of: &Evaluated) -> Vec<Cell> {
+    let what = match (&of.log_refused, of.refused.as_slice()) {
+        (Some(reason), _) => reason.clone(),
+        (None, []) if of.updates == 0 => "nothing to change".into(),
+        (None, []) => counted(of.updates, "term"),
+        (None, reasons) => format!("refused: {}", reasons.join("; ")),
+    };
+    let exchanged = of.exchanged.as_ref();
+    let um = |take: fn(&Exchanged) -> f64| Cell::number(exchanged.map(take), 3);
+    vec![
+        format!("after part {}", of.parts).into(),
+        what.into(),
+        um(|own| 1e3 * own.difference),
+        um(|own| 1e3 * own.largest_step),
+        Cell::fixed(exchanged.map(|own| 1e2 * own.of_limits), 0),
+    ]
 }
 
 fn figure(outcome: &Outcome, which: usize, name: &str) -> Figure {

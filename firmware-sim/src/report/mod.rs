@@ -1,9 +1,9 @@
-//! HTML reports of the simulator, one self-contained file each.
+//! HTML reports of the simulator, one self-contained file each: the tables of the console, and figures.
 //!
-//! [`Report`] is plain data: the caller fills it in after the simulation, [`render`] makes the page and [`write()`] its
-//! `index.html`. Missing or undefined data omit a figure and are never an error.
+//! [`Report`] is the plain data of a run: the caller fills it in after the simulation, and [`render`] makes the page. Missing or
+//! undefined data omit a figure and are never an error.
 //!
-//! Each section of the page is a function `fn(&Report) -> Option<Section>` in a separate file, listed in `SECTIONS`; a new
+//! Each section of that page is a function `fn(&Report) -> Option<Section>` in a separate file, listed in `SECTIONS`; a new
 //! section needs its data in [`Report`] and an entry there.
 
 pub mod ball_test;
@@ -19,21 +19,16 @@ mod latency;
 mod orientation;
 mod path;
 mod reversal;
-mod summary;
 pub mod thermal;
 
 pub use data::{
-    AngleSize, AxisReport, CircleReport, ContourErrors, ContourSeries, ErrorSize, FaultEntry, OrientationSeries,
-    PathPoint, Report, ReversalReport,
+    AngleSize, AxisReport, CircleReport, ContourSeries, ErrorSize, OrientationSeries, PathPoint, Report, ReversalReport,
 };
 pub use trueaxis_report::decimate;
 
+use anyhow::{Context, Result};
 use maud::Markup;
-use std::{
-    io,
-    path::{Path, PathBuf},
-};
-use trueaxis_report::Page;
+use std::path::{Path, PathBuf};
 use trueaxis_tables::output::Outputs;
 
 /// The sections below the summary, in the order of the page.
@@ -56,31 +51,23 @@ struct Section {
 /// The page as one HTML document that is also well-formed XML.
 #[must_use]
 pub fn render(report: &Report) -> String {
-    let title = if report.title.is_empty() { "Simulation report" } else { &report.title };
-    let page = Page::new(title).top(summary::top(report));
     let sections = SECTIONS.iter().filter_map(|section| section(report));
-    sections.fold(page, |page, section| page.section(section.heading, section.content)).document()
+    report.shown.page("", sections.map(|section| (section.heading, section.content)))
 }
 
-/// Writes the page to `index.html` in `directory`, which is created if needed; returns the file's path.
+/// Writes files and the page, the last of them, into a folder, all or nothing; creates the folder if needed. Returns the path of
+/// the page.
 ///
 /// # Errors
-/// The file system's error if the page cannot be written. A failure leaves no file behind.
-pub fn write(report: &Report, directory: &Path) -> io::Result<PathBuf> {
-    write_page(directory, "index.html", &render(report), Vec::new())
-}
-
-/// Writes a page and its accompanying files, all or nothing; creates the folder if needed.
-fn write_page(directory: &Path, name: &str, page: &str, accompanying: Vec<(String, String)>) -> io::Result<PathBuf> {
-    let mut outputs = Outputs::default();
-    let file = directory.join(name);
-    let write = |outputs: &mut Outputs| {
+/// A file cannot be written. A failure leaves no file behind.
+pub fn write(mut outputs: Outputs, directory: &Path, files: &[(String, String)]) -> Result<PathBuf> {
+    let write = || {
         outputs.folder(directory)?;
-        for (name, text) in &accompanying {
+        for (name, text) in files {
             outputs.put(&directory.join(name), text.as_bytes())?;
         }
-        outputs.put(&file, page.as_bytes())
+        outputs.commit()
     };
-    write(&mut outputs).and_then(|()| outputs.commit()).map_err(io::Error::other)?;
-    Ok(file)
+    write().with_context(|| format!("cannot write into {}", directory.display()))?;
+    Ok(directory.join(files.last().map_or("", |(name, _)| name)))
 }

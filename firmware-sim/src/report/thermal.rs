@@ -1,24 +1,15 @@
-//! The HTML report of a warming.
+//! A warming: its tables, the figures of its page, its record.
 
-use super::write_page;
 use maud::{Markup, html};
 use std::fmt::Write;
-use std::io;
-use std::path::{Path, PathBuf};
-use trueaxis_report::number::{quantity, significant};
-use trueaxis_report::{Figure, Page, Row, Scale, Stroke, Table, colour, emphasised};
+use trueaxis_evaluation::shown::{Cell, Shown, Table};
+use trueaxis_report::number::{count, quantity, significant};
+use trueaxis_report::{Figure, Scale, Stroke, colour};
 use trueaxis_sim::warming::{Outcome, SENSORS, Warming};
 
-/// Writes the page to `thermal.html` in `directory`, and the record as `record.csv`; creates the folder if needed.
-///
-/// # Errors
-/// The file system's error if the page cannot be written. A failure leaves no file behind.
-pub fn write(warming: &Warming, outcome: &Outcome, directory: &Path) -> io::Result<PathBuf> {
-    write_page(directory, "thermal.html", &render(warming, outcome), vec![("record.csv".into(), record(outcome))])
-}
-
 /// The record in the format that `trueaxis thermal fit` reads; sensors T1 to T9 in the order of [`SENSORS`].
-fn record(outcome: &Outcome) -> String {
+#[must_use]
+pub fn record(outcome: &Outcome) -> String {
     let mut text = String::from("t_s,cycle,spindle_rpm,x_mm,y_mm,z_mm,tool_mm,ex_um,ey_um,ez_um");
     for (number, _) in (1..).zip(SENSORS) {
         let _ = write!(text, ",T{number}_c");
@@ -40,42 +31,73 @@ fn record(outcome: &Outcome) -> String {
 
 /// The page as one HTML document that is also well-formed XML.
 #[must_use]
-pub fn render(warming: &Warming, outcome: &Outcome) -> String {
-    let settings = &warming.machine.settings;
-    Page::new("A machine that warms")
-        .top(html! {
-            (trueaxis_report::summary([
-                emphasised("machine", &settings.name),
-                html! { (warming.shifts) " shifts recorded" },
-                html! { "probe " (quantity(warming.noise_um, "µm")) },
-                html! { "seed " (warming.seed) },
-            ]))
-            p.result {
-                "In a shift of another kind, " strong { (significant(1e2 * outcome.left_share(), 2)) " %" }
-                " of the largest drift remains: " strong { (quantity(1e3 * outcome.largest_mm[1], "µm")) } " instead of "
-                strong { (quantity(1e3 * outcome.largest_mm[0], "µm")) } "."
-            }
-            p {
-                "Bodies are lumped masses of two nodes; the fitted form is none of theirs. Speeds, periods and positions of the \
-                 judged shift were not in the record; the task's lines went through the step and its limiter."
-            }
-        })
-        .section("The judged shift", html! { @for axis in 0..3 { (axis_figure(outcome, axis)) } (table(outcome)) })
-        .section("Temperatures", temperatures(outcome))
-        .document()
+pub fn page(outcome: &Outcome, shown: &Shown) -> String {
+    let judged = html! { @for axis in 0..3 { (axis_figure(outcome, axis)) } };
+    shown.page("", [("The judged shift", judged), ("Temperatures", temperatures(outcome))])
 }
 
-fn table(outcome: &Outcome) -> Table {
-    let um = |mm: f64| significant(1e3 * mm, 3);
-    let share = |drift: f64, left: f64| format!("{} %", significant(1e2 * left / drift.max(f64::MIN_POSITIVE), 2));
-    let held_out = outcome.recorded.iter().filter(|own| own.held_out).map(|own| {
-        let name = format!("E{0}{0}, held-out shift", own.axis.letter());
-        Row::new(name, [um(own.drift_mm), um(own.left_mm), share(own.drift_mm, own.left_mm)])
+/// Sensors and spindle with their lags, s.
+pub fn lags(outcome: &Outcome) -> impl Iterator<Item = (&str, f64)> {
+    let model = &outcome.found.model;
+    let sensors = model.sensors.iter().map(|sensor| (sensor.name.as_str(), sensor.lag_s));
+    sensors.chain(model.spindle.iter().map(|spindle| ("spindle", spindle.lag_s)))
+}
+
+/// Drift and what is left of it, lags, and the corrections in the step.
+#[must_use]
+pub fn shown(warming: &Warming, outcome: &Outcome) -> Shown {
+    let row = |name: String, [drift, left]: [f64; 2]| {
+        let [um, left_um] = [drift, left].map(|mm| Cell::number(1e3 * mm, 3));
+        vec![name.into(), um, left_um, Cell::percent(left / drift.max(f64::MIN_POSITIVE))]
+    };
+    let held_out = outcome.recorded.iter().filter(|own| own.held_out);
+    let held_out =
+        held_out.map(|own| row(format!("E{0}{0}, held-out shift", own.axis.letter()), [own.drift_mm, own.left_mm]));
+    let judged = outcome.axes_mm.iter().zip(['X', 'Y', 'Z']);
+    let judged = judged.map(|(drift, axis)| row(format!("E{axis}{axis}, judged shift"), *drift));
+    let rows = held_out.chain(judged).chain([row("RMS, judged shift".into(), outcome.rms_mm)]);
+    let um = |mm: f64| quantity(1e3 * mm, "µm");
+    let [largest, left] = outcome.largest_mm.map(um);
+    let out = outcome.found.left_out.iter().map(|out| format!("left out: {}", out.name));
+    let failed = outcome.failed.map(|failed| {
+        let share = if outcome.reported { "reported, its share frozen" } else { "it has no share" };
+        format!("{failed} failed half-way: {share}")
     });
-    let judged = outcome.axes_mm.iter().zip(['X', 'Y', 'Z']).map(|([drift, left], axis)| {
-        Row::new(format!("E{axis}{axis}, judged shift"), [um(*drift), um(*left), share(*drift, *left)])
-    });
-    Table::new(["largest", "drift, µm", "left, µm", "left"], held_out.chain(judged))
+    let step = [
+        ("largest step of a correction in a cycle, µm", Cell::number(1e3 * outcome.largest_step_mm, 3)),
+        ("of the limiter's limits, %", Cell::fixed(1e2 * outcome.of_limits, 0)),
+        ("always settled", if outcome.unsettled { "no" } else { "yes" }.into()),
+    ];
+    let lags = lags(outcome).map(|(name, lag_s)| vec![name.into(), Cell::fixed(lag_s, 0)]);
+    Shown {
+        title: "A machine that warms".into(),
+        summary: vec![
+            warming.machine.settings.name.as_str().into(),
+            format!("{} shifts and {} rows recorded", warming.shifts, count(outcome.record.samples.len() as u64)),
+            format!("probe {} µm", warming.noise_um),
+            format!("seed {}", warming.seed),
+        ],
+        result: format!(
+            "In a shift of another kind, {} % of the largest drift remains: {left} instead of {largest}.",
+            significant(1e2 * outcome.left_share(), 3)
+        ),
+        notes: [
+            "bodies are lumped masses of two nodes; the fitted form is none of theirs",
+            "speeds, periods and positions of the judged shift were not in the record; the task's lines went through the step \
+             and its limiter",
+        ]
+        .map(String::from)
+        .into_iter()
+        .chain(out)
+        .chain(failed)
+        .collect(),
+        tables: vec![
+            Table::new("Largest drift and what is left of it", ["", "drift, µm", "left, µm", "left, %"], rows),
+            Table::new("Lags", ["sensor", "lag, s"], lags),
+            Table::figures("Corrections in the step", step),
+        ],
+        ..Shown::default()
+    }
 }
 
 fn axis_figure(outcome: &Outcome, axis: usize) -> Figure {

@@ -133,8 +133,7 @@ pub(crate) fn run(arguments: &IdentifyArgs) -> Result<()> {
     if let Some(to) = &arguments.report {
         let source = arguments.measured.file_name().unwrap_or_default().to_string_lossy();
         let shown = found.document.shown(axis);
-        let page =
-            report::page(&source, &shown, [("Residuals", report::identify::residuals_of(axis, &found.document))]);
+        let page = shown.page(&source, [("Residuals", report::identify::residuals_of(axis, &found.document))]);
         report::write_to(&mut outputs, &page, to, "identify.html")?;
     }
     outputs.commit()?;

@@ -25,5 +25,5 @@ pub(super) fn page(machine: &str, entries: &[Entry], document: Option<&Reprobing
     };
     let all = figures(entries);
     let history = (!all.is_empty()).then(|| ("History", html! { @for figure in all { (figure) } }));
-    report::page(machine, &shown, history)
+    shown.page(machine, history)
 }

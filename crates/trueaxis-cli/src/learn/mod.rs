@@ -94,7 +94,7 @@ pub(crate) fn run(arguments: &LearnArgs) -> Result<()> {
     let mut outputs = Outputs::of([&arguments.record].into_iter().chain(&arguments.table));
     if let Some(to) = &arguments.report {
         let source = arguments.record.file_name().unwrap_or_default().to_string_lossy();
-        let page = report::page(&source, &shown, report::NO_FIGURES);
+        let page = shown.page(&source, report::NO_FIGURES);
         report::write_to(&mut outputs, &page, to, "learn.html")?;
     }
     outputs.put(&arguments.output, &file)?;

@@ -4,14 +4,12 @@ pub(crate) mod friction;
 pub(crate) mod helicoid;
 pub(crate) mod identify;
 pub(crate) mod roundness;
-mod shown;
 pub(crate) mod uncertainty;
 
-pub(crate) use shown::{NO_FIGURES, page, stage};
-
 use anyhow::Result;
-use maud::{Markup, html};
+use maud::Markup;
 use std::path::Path;
+use trueaxis_evaluation::shown::Shown;
 use trueaxis_tables::output::Outputs;
 
 /// Stages a page in a folder, which is created if needed.
@@ -28,10 +26,20 @@ pub(crate) fn write_to(outputs: &mut Outputs, page: &str, path: &Path, name: &st
     write(outputs, page, path, name)
 }
 
-/// Warnings of a run, one per line.
-fn warnings(warnings: &[String]) -> Markup {
-    html! { @if !warnings.is_empty() { ul { @for warning in warnings { li { (warning) } } } } }
+/// Stages the page of a result from the file `record`, with sections of its own.
+pub(crate) fn stage<H: AsRef<str>>(
+    outputs: &mut Outputs,
+    to: (&Path, &str),
+    record: &Path,
+    shown: &Shown,
+    figures: impl IntoIterator<Item = (H, Markup)>,
+) -> Result<()> {
+    let source = record.file_name().unwrap_or_default().to_string_lossy();
+    write(outputs, &shown.page(&source, figures), to.0, to.1)
 }
+
+/// No sections of the result's own.
+pub(crate) const NO_FIGURES: [(&str, Markup); 0] = [];
 
 /// Smallest and largest of the values.
 fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {

@@ -48,6 +48,7 @@ impl PointsDocument {
             ],
             plots: residuals(points, found).chain(errors(found)).collect(),
             map: Some(map(points, found)),
+            ..Shown::default()
         }
     }
 }

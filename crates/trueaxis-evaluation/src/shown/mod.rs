@@ -6,6 +6,7 @@
 //! An uncertainty is shown after ± and is always expanded: half of the interval that contains the true value with 95 %.
 //! [`Uncertainty`] is the only way to show one, and converts standard errors.
 
+mod page;
 mod plot;
 mod quantity;
 mod text;
@@ -23,6 +24,8 @@ pub struct Shown {
     pub title: String,
     /// How the result was obtained, in parts.
     pub summary: Vec<String>,
+    /// The most important figure in a sentence, or "".
+    pub result: String,
     /// Remarks on the result, a sentence each.
     pub notes: Vec<String>,
     /// Tables, the most important first.

@@ -4,9 +4,12 @@ use super::{Shown, Table};
 use std::fmt;
 
 impl Shown {
-    /// The result as text: summary, tables with rows, notes. Plots are left out.
+    /// The result as text: summary, sentence, tables with rows, notes. Plots are left out.
     pub fn text(&self) -> String {
         let mut text = format!("{}: {}\n", self.title, self.summary.join(", "));
+        if !self.result.is_empty() {
+            text += &format!("\n{}\n", self.result);
+        }
         for table in self.tables.iter().filter(|table| !table.rows.is_empty()) {
             text += &format!("\n{table}");
         }

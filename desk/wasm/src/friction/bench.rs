@@ -1,6 +1,5 @@
 //! Shared state of the calls: a record, the friction identified in it, and the running simulation.
 
-use super::shown::shown;
 use crate::becomes::Becomes;
 use crate::files::machine;
 use anyhow::{Result, anyhow, ensure};
@@ -11,6 +10,7 @@ use trueaxis_evaluation::friction::{
 };
 use trueaxis_evaluation::rows::Rows;
 use trueaxis_evaluation::shown::Shown;
+use trueaxis_evaluation::simulated::friction::shown;
 use trueaxis_metrology::friction::{Identified, Record};
 use trueaxis_sim::Settings;
 use trueaxis_sim::friction::{Circles, Outcome, Pass, Plane, Recorder, configured};

@@ -3,7 +3,6 @@
 //! The module keeps the record and the results between the calls; a simulation runs in slices.
 
 mod bench;
-mod shown;
 
 use crate::{Refusal, json, to_js};
 use anyhow::Result;

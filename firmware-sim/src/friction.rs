@@ -1,7 +1,5 @@
 //! `firmware-sim friction`: record circles, identify, configure, record again.
 
-mod text;
-
 use crate::console::{progress_bar, put};
 use crate::machine_arg::{outputs_of, read_machine};
 use crate::settings_args::{ActArgs, SettingsArgs};
@@ -9,6 +7,7 @@ use anyhow::{Context, Result, anyhow};
 use clap::{Args, ValueEnum};
 use indicatif::ProgressBar;
 use std::path::PathBuf;
+use trueaxis_evaluation::simulated::friction::shown;
 use trueaxis_metrology::friction::identify;
 use trueaxis_sim::SimError;
 use trueaxis_sim::friction::{Circles, Outcome, Pass, Recorder, configured};
@@ -100,11 +99,7 @@ pub(crate) fn friction(args: &FrictionArgs) -> Result<()> {
     bar.finish_and_clear();
 
     let outcome = Outcome::new(&circles, &settings, [&before, &after], &found)?;
-    if args.json {
-        put(&trueaxis_evaluation::json::pretty(&outcome)?)
-    } else {
-        put(&text::shown(&outcome, &found).text())
-    }
+    if args.json { put(&trueaxis_evaluation::json::pretty(&outcome)?) } else { put(&shown(&outcome, &found).text()) }
 }
 
 fn circles(args: &FrictionArgs) -> Result<Circles> {

@@ -1,13 +1,14 @@
-//! Tables of the identified friction.
+//! Tables of circles simulated without and with the identified friction.
 
-use trueaxis_evaluation::friction::{Deviation, against, deviations};
-use trueaxis_evaluation::shown::Shown;
+use crate::friction::{Deviation, against, deviations};
+use crate::shown::Shown;
 use trueaxis_metrology::friction::Identified;
 use trueaxis_sim::friction::Outcome;
 use trueaxis_sim::run::Size;
 use trueaxis_tables::text::counted;
 
-pub(super) fn shown(outcome: &Outcome, found: &[Identified]) -> Shown {
+/// The figures beside the true ones, the spikes of both passes, and their contour errors.
+pub fn shown(outcome: &Outcome, found: &[Identified]) -> Shown {
     let [fast, slow] = outcome.feeds_mm_per_min;
     let turns = counted(outcome.turns as usize, "turn");
     let size = |name: String, of: Size| (name, Deviation { max: of.max, rms: of.rms });
@@ -27,7 +28,7 @@ pub(super) fn shown(outcome: &Outcome, found: &[Identified]) -> Shown {
         ],
         tables: vec![
             against(found, &truth),
-            deviations("Spikes at the reversals", "spikes", spikes),
+            deviations("Spikes, simulated again", "spikes", spikes),
             deviations("Contour error of the tip, geometry included", "pass", error),
         ],
         ..Shown::default()
