@@ -5,10 +5,9 @@ use crate::output::{print, report_line};
 use crate::report;
 use anyhow::{Context, Result};
 use clap::Args;
-use maud::Render;
 use std::path::PathBuf;
 use trueaxis::Axis;
-use trueaxis_evaluation::ballbar::{Options, Test, left, polar};
+use trueaxis_evaluation::ballbar::{Options, Test};
 use trueaxis_evaluation::friction::pair;
 use trueaxis_tables::output::Outputs;
 
@@ -112,11 +111,11 @@ pub(crate) fn run(arguments: &BallbarArgs) -> Result<()> {
     if arguments.writing.dry_run {
         return done.dry_run(&document, arguments.json);
     }
+    let shown = document.shown(&test);
     if let Some(directory) = &arguments.report {
-        let figures = [("Deviation", polar(&test).render()), ("Residuals", left(&test).render())];
-        report::stage(&mut outputs, (directory, "ballbar.html"), &arguments.record, &document.shown(), figures)?;
+        report::stage(&mut outputs, (directory, "ballbar.html"), &arguments.record, &shown, report::NO_FIGURES)?;
     }
     outputs.commit()?;
     done.print_notes();
-    if arguments.json { done.json(&document) } else { print(&document.shown().text()) }
+    if arguments.json { done.json(&document) } else { print(&shown.text()) }
 }

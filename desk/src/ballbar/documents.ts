@@ -1,19 +1,9 @@
-// The module's response: tables and curves.
+// The module's response: tables and plots.
 
 import type { Shown } from "../core/shown-types";
 
-export interface Trace {
-  counterclockwise: boolean;
-  angle_deg: number[];
-  deviation_um: number[];
-  left_um: number[];
-}
-
 export interface Evaluated {
   shown: Shown;
-  /** Its two letters. */
-  plane: string;
-  traces: Trace[];
   notes: string[];
 }
 

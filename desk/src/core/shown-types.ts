@@ -7,13 +7,17 @@ export interface Shown {
   title: string;
   /** How the result was obtained, in parts. */
   summary: string[];
+  /** The most important figure in a sentence, or "". */
+  result: string;
   /** Remarks on the result, a sentence each. */
   notes: string[];
   /** Tables, the most important first. */
   tables: Table[];
   /** Plots in their order. */
   plots: Plot[];
-  /** A map, after the plots. */
+  /** Polar plots, after the others. */
+  polars: Polar[];
+  /** A map, after all plots. */
   map: Map | null;
 }
 
@@ -67,6 +71,30 @@ export interface Curve {
   values: (number | null)[];
   /** Expanded uncertainties, 95 %; NaN (null) if unknown at a position, empty if unknown everywhere. */
   expanded: (number | null)[];
+}
+
+/** Deviations of the radius over the angle of a circle. Those of one section have one scale in the desk. */
+export interface Polar {
+  /** Heading of the part of the page that contains the plot. */
+  section: string;
+  /** Title of the plot. */
+  title: string;
+  /** Axes of the circle's plane; the first is at 0°. */
+  axes: [string, string];
+  /** The curves. */
+  curves: Around[];
+}
+
+/** A curve of a [`Polar`]. */
+export interface Around {
+  /** Name of the curve. */
+  name: string;
+  /** Index of the curve's colour, from 0. */
+  colour: number;
+  /** Angles from the first axis toward the second, in the order of travel. */
+  angle_deg: number[];
+  /** Deviations, positive outward. */
+  um: number[];
 }
 
 /** Values over the cells of a plane. */

@@ -2,12 +2,15 @@
 
 import { bars, el, notes, table } from "./dom";
 import { Plot, withBand, type Series } from "./plot";
-import type { Cell, Curve, Look, Plot as Plotted, Shown, Table } from "./shown-types";
+import { keys, largest, Polar, type PolarSeries } from "./polar";
+import type { Around, Cell, Curve, Look, Plot as Plotted, Polar as Circles, Shown, Table } from "./shown-types";
 import type { ColourName } from "./theme";
 
 /** By index, as in a report. */
-const COLOURS: readonly ColourName[] = ["x", "y", "z", "a", "b", "before", "after", "servo"];
+const COLOURS: readonly ColourName[] = ["x", "y", "z", "a", "b", "before", "after", "servo", "measured"];
 const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [4, 4]];
+const colourOf = (index: number) => COLOURS[index % COLOURS.length]!;
+const dashOf = (index: number) => DASHES[index % DASHES.length]!;
 
 /** A table of a result. */
 export function tabled({ caption, header, rows, bars: column }: Table): HTMLElement {
@@ -36,7 +39,18 @@ export function showPlots(host: HTMLElement, plots: Plotted[]): void {
 }
 
 function drawn({ name, colour, dashed, values, expanded }: Curve, look: Look, unit: string): { series: Series[]; columns: (number | null)[][] } {
-  const own: Series = { name, unit, colour: COLOURS[colour % COLOURS.length]!, joined: true, points: look === "points", dots: look === "dotted", dash: dashed ? [2, 4] : (DASHES[colour % DASHES.length] ?? []) };
+  const own: Series = { name, unit, colour: colourOf(colour), joined: true, points: look === "points", dots: look === "dotted", dash: dashed ? [2, 4] : dashOf(colour) };
   const [known, half] = [values, expanded].map((of) => of.filter((value) => value !== null)) as [number[], number[]];
   return half.length > 0 && half.length === values.length && known.length === values.length ? withBand(own, known, half) : { series: [own], columns: [values] };
+}
+
+/** Polar plots of a result side by side, those of a section on one scale. */
+export function showPolars(host: HTMLElement, polars: Circles[]): void {
+  const of = ({ name, colour, angle_deg, um }: Around): PolarSeries => ({ name, colour: colourOf(colour), dash: dashOf(colour).join(" "), angle_deg, value_um: um });
+  const cells = el("div", { class: "grid polars" });
+  host.replaceChildren(keys((polars[0]?.curves ?? []).map(of)), cells);
+  for (const { section, title, axes, curves } of polars) {
+    const most = largest(polars.flatMap((one) => (one.section === section ? one.curves.map(of) : [])));
+    new Polar(cells, title, axes, curves.map(of), most);
+  }
 }

@@ -147,7 +147,7 @@ export class Friction {
     this.status.textContent = "Fitting …";
     const progress = (text: string) => (this.status.textContent = `Fitting ${text}`);
     this.found = await this.work.fit(this.drives.value === "found", progress);
-    this.results.show(this.found, pair(this.record?.axes ?? "X,Y"));
+    this.results.show(this.found);
     const left = this.found.largest.map(([axis, [before, after]]) => `${axis} ${significant(before, 3)} → ${significant(after, 3)} µm`);
     this.status.textContent = `Found. Largest spike, recorded → expected: ${left.join(", ")}.`;
   }
@@ -157,7 +157,7 @@ export class Friction {
     await this.pass("after", "Simulating the circles with the figures");
     this.status.textContent = "Evaluating …";
     const closed = await this.work.closed();
-    this.results.showClosed(closed, pair(AXES_OF[this.source.circles.plane]));
+    this.results.showClosed(closed);
     this.status.textContent = "Simulated with the figures found.";
   }
 

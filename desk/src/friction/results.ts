@@ -2,9 +2,9 @@
 
 import { button, el, section } from "../core/dom";
 import { save } from "../core/files";
-import { showTables } from "../core/shown";
-import { showCircles, showSpikes, type Stage } from "./curves";
-import type { CircleCurves, Closed, Found, SpikeCurves } from "./documents";
+import { showPlots, showPolars, showTables } from "../core/shown";
+import type { Shown } from "../core/shown-types";
+import type { Found } from "./documents";
 
 export interface ResultEvents {
   copied(done: Promise<void>): void;
@@ -12,17 +12,15 @@ export interface ResultEvents {
   simulate(): void;
 }
 
-type Pair = readonly [string, string];
-
 export class Results {
   readonly root: HTMLElement;
   readonly closed: HTMLElement;
   private readonly figures = el("div", { class: "figures" });
-  private readonly spikes = el("div");
+  private readonly spikes = el("div", { class: "grid" });
   private readonly circles = el("div");
   private readonly settings = el("pre", { tabindex: 0, role: "group", "aria-label": "Settings found" });
   private readonly closedFigures = el("div", { class: "figures" });
-  private readonly closedSpikes = el("div");
+  private readonly closedSpikes = el("div", { class: "grid" });
   private readonly closedCircles = el("div");
   private readonly actions: HTMLButtonElement[];
 
@@ -49,29 +47,20 @@ export class Results {
     this.root.hidden = this.closed.hidden = true;
   }
 
-  show(found: Found, axes: Pair): void {
+  show({ shown, settings }: Found): void {
     this.closed.hidden = true;
     this.root.hidden = false;
-    showTables(this.figures, found.shown);
-    this.settings.textContent = found.settings;
-    const stages = <T extends SpikeCurves | CircleCurves>(of: T[]): Stage<T>[] => [
-      { name: "before, recorded", colour: "before", of, value: (curves) => curves.before_um },
-      { name: "predicted by the model", colour: "measured", dash: [2, 3], of, value: (curves) => curves.predicted_um },
-      { name: "after, expected", colour: "after", dash: [7, 3], of, value: (curves) => curves.after_um },
-    ];
-    showSpikes(this.spikes, stages(found.spikes));
-    showCircles(this.circles, axes, stages(found.circles));
+    showTables(this.figures, shown);
+    this.settings.textContent = settings;
+    showPlots(this.spikes, shown.plots);
+    showPolars(this.circles, shown.polars);
+    if (shown.polars.length === 0) this.circles.append(el("p", {}, "The record holds no whole circle."));
   }
 
-  showClosed(closed: Closed, axes: Pair): void {
+  showClosed(shown: Shown): void {
     this.closed.hidden = false;
-    this.closedFigures.replaceChildren();
-    if (closed.shown) showTables(this.closedFigures, closed.shown);
-    const stages = <T extends SpikeCurves | CircleCurves>(before: T[], after: T[]): Stage<T>[] => [
-      { name: "before, simulated", colour: "before", of: before, value: (curves) => curves.before_um },
-      { name: "after, simulated", colour: "after", dash: [7, 3], of: after, value: (curves) => curves.before_um },
-    ];
-    showSpikes(this.closedSpikes, stages(closed.before.spikes, closed.after.spikes));
-    showCircles(this.closedCircles, axes, stages(closed.before.circles, closed.after.circles));
+    showTables(this.closedFigures, shown);
+    showPlots(this.closedSpikes, shown.plots);
+    showPolars(this.closedCircles, shown.polars);
   }
 }

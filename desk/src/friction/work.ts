@@ -3,7 +3,8 @@
 import type { Becomes } from "../core/becomes";
 import type { Desk } from "../core/desk";
 import { adopt } from "../core/machine";
-import type { Closed, Found, RecordRead, Trace } from "./documents";
+import type { Shown } from "../core/shown-types";
+import type { Found, RecordRead, Trace } from "./documents";
 import { request, type Axes, type Circles } from "./source";
 
 /** Cycles between two reports of progress. */
@@ -63,8 +64,8 @@ export class Work {
     }
   }
 
-  async closed(): Promise<Closed> {
-    return JSON.parse(await this.desk.runs.call("friction_closed")) as Closed;
+  async closed(): Promise<Shown> {
+    return JSON.parse(await this.desk.runs.call("friction_closed")) as Shown;
   }
 
   /** Writes the accepted figures into the machine that all views share; returns whether it changes, and the decisions. */

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, anyhow};
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::path::Path;
-use trueaxis_evaluation::ballbar::{Options, Test, Trace, traces};
+use trueaxis_evaluation::ballbar::{Options, Test};
 use trueaxis_evaluation::friction::pair;
 use trueaxis_evaluation::shown::Shown;
 use trueaxis_tables::Additions;
@@ -32,9 +32,6 @@ struct Request {
 struct Evaluated {
     /// Printed by `trueaxis ballbar`.
     shown: Shown,
-    /// The plane, such as `XY`.
-    plane: String,
-    traces: Vec<Trace>,
     notes: Vec<String>,
 }
 
@@ -49,13 +46,12 @@ fn evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String> {
     let options = Options::new(request.radius_mm, axes, request.pitches_mm).map_err(|wrong| wrong.option())?;
     let mut notes = Vec::new();
     let test = Test::read(bytes, Path::new(name), &options, |note| notes.push(note))?;
-    let document = test.document();
-    let evaluated = Evaluated { shown: document.shown(), traces: traces(&test), plane: document.plane, notes };
+    let evaluated = Evaluated { shown: test.document().shown(&test), notes };
     TEST.set(Some((test, record_number(bytes))));
     json(&evaluated)
 }
 
-/// Evaluates a record in any format that `trueaxis ballbar` reads: tables, plane, curves, notes. `request`:
+/// Evaluates a record in any format that `trueaxis ballbar` reads: tables, plots, notes. `request`:
 /// `{"radius_mm": 100, "axes": "X,Y", "pitches_mm": [10, null, null]}`.
 #[wasm_bindgen]
 pub fn ballbar_evaluate(name: &str, bytes: &[u8], request: &str) -> Result<String, Refusal> {

@@ -24,12 +24,13 @@ impl Outcome {
         let simulated_s = self.cycles as f64 * scenario.period_s();
         let runs = self.machines();
         let speed = runs.len() as f64 * simulated_s / self.wall_s.max(1e-9);
+        let took = format!("{} runs in {:.1} s, {speed:.0} times real time each", runs.len(), self.wall_s);
         let mut tables = vec![contour(&runs)];
         if scenario.five_axis {
             tables.extend([orientation(&runs), reported(&runs)]);
         }
         tables.extend((!axes.is_empty()).then(|| limits(axes)));
-        tables.extend([self.cost(), self.fault_table(scenario)]);
+        tables.extend([self.cost(), digests(&runs), self.fault_table(scenario)]);
         let changes = scenario.settings.changes().into_iter();
         let changes = changes.map(|(key, value, default)| format!("setting {key} = {value} (default {default})"));
         Shown {
@@ -38,14 +39,13 @@ impl Outcome {
                 format!("{} ({})", settings.name, settings.chain),
                 format!("{}, {simulated_s:.1} s at {} Hz", scenario.program.name, scenario.rate_hz()),
                 format!("{} servo cycles", count(self.cycles)),
-                format!("{} runs in {:.1} s, {speed:.0} times real time each", runs.len(), self.wall_s),
                 if self.compensated.faults.is_empty() { "no faults" } else { "with faults" }.into(),
             ],
             result: result(
                 self.uncompensated.error.max_um,
                 self.full.as_ref().unwrap_or(&self.compensated).error.max_um,
             ),
-            notes: changes.chain(self.notes(scenario)).collect(),
+            notes: changes.chain([took]).chain(self.notes(scenario)).collect(),
             tables,
             ..Shown::default()
         }
@@ -101,10 +101,9 @@ fn contour(runs: &[(Kind, Tallies)]) -> Table {
     let rows = runs.iter().map(|(kind, run)| {
         let [max, rms] = [run.error.max_um, run.error.rms_um];
         let [max_left, rms_left] = [max / first.max_um, rms / first.rms_um].map(|share| Cell::fixed(100.0 * share, 1));
-        let digest = format!("{:08x}", run.digest).into();
-        vec![name(*kind).into(), Cell::fixed(max, 3), Cell::fixed(rms, 3), max_left, rms_left, digest]
+        vec![name(*kind).into(), Cell::fixed(max, 3), Cell::fixed(rms, 3), max_left, rms_left]
     });
-    let head = ["", "largest, µm", "RMS, µm", "largest left, %", "RMS left, %", "digest of every output"];
+    let head = ["", "largest, µm", "RMS, µm", "largest left, %", "RMS left, %"];
     Table::new("True contour error of the tool tip while cutting", head, rows)
 }
 
@@ -125,6 +124,11 @@ fn reported(runs: &[(Kind, Tallies)]) -> Table {
     });
     let head = ["", "largest, µm", "RMS, µm", "largest, µrad", "RMS, µrad"];
     Table::new("Both as the step itself reports them", head, rows)
+}
+
+fn digests(runs: &[(Kind, Tallies)]) -> Table {
+    let rows = runs.iter().map(|(kind, run)| vec![name(*kind).into(), format!("{:08x}", run.digest).into()]);
+    Table::new("Digest of every output", ["", "CRC-32"], rows)
 }
 
 /// Largest magnitude of a series; NaN if it has no defined value.

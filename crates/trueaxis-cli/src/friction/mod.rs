@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::machine::DriveFigures;
 use trueaxis_evaluation::friction::{self, Recording};
+use trueaxis_evaluation::shown::Shown;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const EXAMPLE: &str = "\
@@ -113,13 +114,8 @@ pub(crate) fn run(arguments: &FrictionArgs) -> Result<()> {
         return done.dry_run(&document, arguments.json);
     }
     if let Some(directory) = &arguments.report {
-        report::stage(
-            &mut outputs,
-            (directory, "friction.html"),
-            &arguments.record,
-            &document.shown(),
-            report::friction::spikes(&found),
-        )?;
+        let shown = Shown { plots: friction::spikes(&found), ..document.shown() };
+        report::stage(&mut outputs, (directory, "friction.html"), &arguments.record, &shown, report::NO_FIGURES)?;
     }
     if let Some(file) = file {
         outputs.put(file, friction::sections(&arguments.record, &found).as_bytes())?;

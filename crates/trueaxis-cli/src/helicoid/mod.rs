@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &HelicoidArgs) -> Result<()> {
         outputs.put(file, text.as_bytes())?;
     }
     if let Some(to) = &arguments.report {
-        let page = document.shown().page("", report::helicoid::figures(&job, &document));
+        let page = document.shown().page("", [report::helicoid::flank(&job)]);
         report::write_to(&mut outputs, &page, to, "helicoid.html")?;
     }
     if let Some(file) = &arguments.output {

@@ -1,7 +1,6 @@
 //! A re-probing and a history as text and as a page.
 
 use crate::output::{json, print};
-use crate::report;
 use anyhow::Result;
 use maud::html;
 use trueaxis_evaluation::keep::{Entry, ReprobingDocument, figures, listed};

@@ -1,6 +1,5 @@
 //! Reports: one self-contained HTML page each, no network, no script. Figures are SVG inside the page.
 
-pub(crate) mod friction;
 pub(crate) mod helicoid;
 pub(crate) mod identify;
 pub(crate) mod roundness;
@@ -40,8 +39,3 @@ pub(crate) fn stage<H: AsRef<str>>(
 
 /// No sections of the result's own.
 pub(crate) const NO_FIGURES: [(&str, Markup); 0] = [];
-
-/// Smallest and largest of the values.
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
-}

@@ -10,7 +10,6 @@ mod shown;
 mod telemetry;
 
 pub use document::{BallbarDocument, Pair, Share, Ways, name};
-pub use polar::{Trace, left, polar, traces};
 pub use record::COLUMNS;
 
 use crate::range::OutOfRange;

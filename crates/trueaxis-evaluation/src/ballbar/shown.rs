@@ -1,12 +1,12 @@
 //! Tables of a circular test.
 
-use super::{BallbarDocument, Ways};
+use super::{BallbarDocument, Test, Ways};
 use crate::shown::{Cell, Quantity, Shown, Table, Uncertainty};
 use serde_json::Value;
 
 impl BallbarDocument {
-    /// The figures of ISO 230-4, the values of all causes, their shares, and the fit.
-    pub fn shown(&self) -> Shown {
+    /// The figures of ISO 230-4, the values of all causes, their shares, the fit, and polar plots of the test.
+    pub fn shown(&self, test: &Test) -> Shown {
         let um = |um: Option<f64>| Cell::number(um, 4);
         let row = |name: &str, both: Option<f64>, of: Ways| vec![name.into(), um(both), um(of.ccw), um(of.cw)];
         let only = |name: &str, of: Ways| vec![name.into(), "".into(), um(of.ccw), um(of.cw)];
@@ -38,6 +38,7 @@ impl BallbarDocument {
                 Table::new("Causes in the order of their shares", ["cause", "share, %", "RMS, µm"], shares).bars(1),
                 Table::figures("Fit", fit),
             ],
+            polars: test.polars(),
             ..Shown::default()
         }
     }

@@ -13,7 +13,7 @@ mod recording;
 mod settings;
 mod shown;
 
-pub use curves::{CircleCurves, SpikeCurves, Trace, circles, spikes};
+pub use curves::{Trace, circles, circles_again, spikes, spikes_again};
 pub use document::{AxisFound, Deviation, Drive, Errors, Friction, FrictionDocument, Glitch};
 pub use recording::{Recording, columns};
 pub use settings::{additions, sections};

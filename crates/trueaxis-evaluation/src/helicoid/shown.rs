@@ -1,5 +1,6 @@
 //! Tables of a flank and its displacements.
 
+use super::plots::displacements;
 use super::{HelicoidDocument, Point};
 use crate::shown::{Cell, Shown, Table};
 use trueaxis_report::number::{count, shortest};
@@ -14,7 +15,7 @@ const SHOWN: usize = 400;
 type Of = fn(&Point) -> f64;
 
 /// The five displacements: name, unit, value.
-pub const DISPLACEMENTS: [(&str, &str, Of); 5] = [
+pub(super) const DISPLACEMENTS: [(&str, &str, Of); 5] = [
     ("X", "mm", |point| point.x_mm),
     ("Y", "mm", |point| point.y_mm),
     ("Z", "mm", |point| point.z_mm),
@@ -33,7 +34,7 @@ fn values<'n>(caption: &str, rows: impl IntoIterator<Item = (&'n str, Cell, &'n 
 }
 
 impl HelicoidDocument {
-    /// Set-up, flank, travel over the grid, and points.
+    /// Set-up, flank, travel over the grid, points, and plots of the displacements.
     pub fn shown(&self) -> Shown {
         let inputs = &self.inputs;
         let surface = match (inputs.module_mm, inputs.teeth, inputs.pressure_angle_deg, inputs.helix_angle_deg) {
@@ -59,6 +60,7 @@ impl HelicoidDocument {
                 format!("{} points", count(self.points.len() as u64)),
             ],
             tables: vec![self.set_up(), self.flank(), self.travel(), self.grid()],
+            plots: displacements(self),
             ..Shown::default()
         }
     }

@@ -11,7 +11,7 @@ mod plot;
 mod quantity;
 mod text;
 
-pub use plot::{Curve, Look, Map, Plot};
+pub use plot::{Around, Curve, Look, Map, Plot, Polar};
 pub use quantity::{EXPANDED, Quantity, Uncertainty, half_width};
 
 use serde::Serialize;
@@ -32,7 +32,9 @@ pub struct Shown {
     pub tables: Vec<Table>,
     /// Plots in their order.
     pub plots: Vec<Plot>,
-    /// A map, after the plots.
+    /// Polar plots, after the others.
+    pub polars: Vec<Polar>,
+    /// A map, after all plots.
     pub map: Option<Map>,
 }
 

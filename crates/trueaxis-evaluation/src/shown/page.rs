@@ -4,6 +4,9 @@ use super::{Look, Plot, Shown};
 use maud::{Markup, html};
 use trueaxis_report::{Page, Table, side_by_side, summary};
 
+/// More plots than this are drawn side by side.
+const MANY: usize = 3;
+
 impl Shown {
     /// The whole page. `source` is the name of the record, "" for none; `figures` are sections of the result's own, after the
     /// plots.
@@ -21,6 +24,9 @@ impl Shown {
         for plots in self.plots.chunk_by(|one, next| one.section == next.section) {
             page = page.section(plots[0].section, plotted(plots));
         }
+        for polars in self.polars.chunk_by(|one, next| one.section == next.section) {
+            page = page.section(polars[0].section, html! { @for polar in polars { (polar.figure()) } });
+        }
         if let Some(map) = &self.map {
             page = page.section("Residuals over X and Y", map.figure());
         }
@@ -34,9 +40,12 @@ impl Shown {
     }
 }
 
-/// Plots of one part: points alone side by side, curves one below the other.
+/// Plots of one part: points alone, or many curves, side by side; few curves one below the other.
 fn plotted(plots: &[Plot]) -> Markup {
-    let half = plots.len() > 1 && plots.iter().all(|plot| plot.look == Look::Points);
+    let narrow = |plot: &Plot| {
+        plot.look == Look::Points || plots.len() > MANY && plot.curves.iter().all(|curve| curve.expanded.is_empty())
+    };
+    let half = plots.len() > 1 && plots.iter().all(narrow);
     let figures = plots.iter().map(|plot| plot.figure(half));
     if half {
         side_by_side(figures)

@@ -1,7 +1,9 @@
 //! Plots and maps of a result.
 
 use serde::Serialize;
-use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, decimate, error_bars, heat_map};
+use trueaxis_report::{
+    Colour, Figure, PolarTrace, Scale, Stroke, colour, decimate, error_bars, heat_map, polar_traces,
+};
 
 /// How curves are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -59,7 +61,7 @@ impl Curve {
 }
 
 /// Colours of curves by index.
-const COLOURS: [Colour; 8] = [
+const COLOURS: [Colour; 9] = [
     colour::AXES[0],
     colour::AXES[1],
     colour::AXES[2],
@@ -68,6 +70,7 @@ const COLOURS: [Colour; 8] = [
     colour::UNCOMPENSATED,
     colour::COMPENSATED,
     colour::SERVO,
+    colour::MEASURED,
 ];
 /// Maximum number of buckets that a line is drawn with, two extremes each.
 const BUCKETS: usize = 800;
@@ -107,8 +110,8 @@ impl Plot {
             error_bars(&self.title, x, self.y.1, &curves)
         } else {
             let values = self.curves.iter().flat_map(|curve| &curve.values).copied().filter(|value| value.is_finite());
-            // Temperatures are far from zero, and their zero is arbitrary.
-            let zero = (self.y.1 != "°C").then_some(0.0);
+            // Temperatures and positions are far from zero, and their zero is arbitrary.
+            let zero = (!["°C", "mm", "degrees"].contains(&self.y.1)).then_some(0.0);
             let y = Scale::linear(&format!("{} in {}", self.y.0, self.y.1), values.chain(zero)).margin(0.06);
             let mut figure =
                 if half { Figure::half(&self.title, 260, x, y) } else { Figure::full(&self.title, 300, x, y) };
@@ -129,6 +132,45 @@ impl Plot {
         };
         figure.caption(self.caption);
         figure
+    }
+}
+
+/// Deviations of the radius over the angle of a circle. Those of one section have one scale in the desk.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Polar {
+    /// Heading of the part of the page that contains the plot.
+    pub section: &'static str,
+    /// Title of the plot.
+    pub title: String,
+    /// Axes of the circle's plane; the first is at 0°.
+    pub axes: [String; 2],
+    /// The curves.
+    pub curves: Vec<Around>,
+}
+
+/// A curve of a [`Polar`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Around {
+    /// Name of the curve.
+    pub name: &'static str,
+    /// Index of the curve's colour, from 0.
+    pub colour: usize,
+    /// Angles from the first axis toward the second, in the order of travel.
+    pub angle_deg: Vec<f64>,
+    /// Deviations, positive outward.
+    pub um: Vec<f64>,
+}
+
+impl Polar {
+    /// The figure of a report.
+    pub fn figure(&self) -> Figure {
+        let trace = |curve: &Around| PolarTrace {
+            name: curve.name,
+            colour: COLOURS[curve.colour % COLOURS.len()],
+            points: curve.angle_deg.iter().zip(&curve.um).map(|(degrees, um)| [degrees.to_radians(), *um]).collect(),
+        };
+        let traces: Vec<PolarTrace<'_>> = self.curves.iter().map(trace).collect();
+        polar_traces(&format!("Polar plot: {}", self.title), &traces, &format!("{}.", self.title))
     }
 }
 

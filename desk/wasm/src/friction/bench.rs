@@ -6,7 +6,7 @@ use anyhow::{Result, anyhow, ensure};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use trueaxis_evaluation::friction::{
-    CircleCurves, Recording, SpikeCurves, additions, circles, columns, drives, fit, pair, sections, spikes,
+    Recording, additions, circles, circles_again, columns, drives, fit, pair, sections, spikes, spikes_again,
 };
 use trueaxis_evaluation::rows::Rows;
 use trueaxis_evaluation::shown::Shown;
@@ -68,8 +68,6 @@ pub(super) struct Identification {
     shown: Shown,
     /// Largest spike of every axis, recorded and expected, µm.
     largest: Vec<(String, [f64; 2])>,
-    spikes: Vec<SpikeCurves>,
-    circles: Vec<CircleCurves>,
     /// The settings as TOML.
     settings: String,
 }
@@ -85,21 +83,6 @@ struct Simulated {
     turns: u32,
     /// Settings by key, as accepted by `--set`.
     set: Vec<(String, String)>,
-}
-
-/// The circles without and with the identified friction.
-#[derive(Serialize)]
-pub(super) struct Closed {
-    /// Present if the record is the simulation's.
-    shown: Option<Shown>,
-    before: Curves,
-    after: Curves,
-}
-
-#[derive(Serialize)]
-struct Curves {
-    spikes: Vec<SpikeCurves>,
-    circles: Vec<CircleCurves>,
 }
 
 impl Bench {
@@ -140,15 +123,15 @@ impl Bench {
         }
         let (found, document) =
             fit(recording, given, &mut |axis, step| progress(&format!("axis {}, step {step}", axis.letter())))?;
-        let spikes = found.iter().flat_map(|own| spikes(own, &own.glitch)).collect();
-        let circles = circles(&recording.record, &recording.file.to_string_lossy(), &found)?;
+        let polars = circles(&recording.record, &recording.file.to_string_lossy(), &found)?;
+        let shown = Shown { plots: spikes(&found), polars, ..document.shown() };
         let settings = sections(&recording.file, &found);
         (self.found, self.after) = (Some(found), None);
         let largest = document.axes.iter().map(|own| {
             let size = &own.glitch_um;
             (own.axis.clone(), [size.before.max, size.after.max])
         });
-        Ok(Identification { largest: largest.collect(), shown: document.shown(), spikes, circles, settings })
+        Ok(Identification { largest: largest.collect(), shown, settings })
     }
 
     pub(super) fn becomes(&self, files: &str) -> Result<Becomes> {
@@ -221,28 +204,27 @@ impl Bench {
         }
     }
 
-    pub(super) fn closed(&self) -> Result<Closed> {
+    /// The circles without and with the identified friction; tables of them if the record is the simulation's.
+    pub(super) fn closed(&self) -> Result<Shown> {
         let found = self.found()?;
         let (Some((before, own_circles, settings)), Some(after)) = (&self.before, &self.after) else {
             return Err(anyhow!("found no simulation with the figures, needed one without them and one with them"));
         };
-        let shown = match self.is_simulated {
-            true => Some(shown(&Outcome::new(own_circles, settings, [before, after], found)?, found)),
-            false => None,
-        };
-        let curves = |pass: &Pass| -> Result<Curves> {
-            let record = pass.path()?;
-            // The plane's order of axes, which may differ from that of the dropped record.
-            let [first, second] = [0, 1].map(|i| found.iter().find(|own| own.axis == record.axes[i].axis));
-            let (Some(first), Some(second)) = (first, second) else { return Err(anyhow!("{SIMULATED}: other axes")) };
-            let found = [first.clone(), second.clone()];
-            let mut all = Vec::new();
-            for (i, own) in found.iter().enumerate() {
-                let glitch = own.spikes(&record, i).map_err(|refused| anyhow!("{SIMULATED}: {refused}"))?;
-                all.extend(spikes(own, &glitch));
-            }
-            Ok(Curves { spikes: all, circles: circles(&record, SIMULATED, &found)? })
-        };
-        Ok(Closed { shown, before: curves(before)?, after: curves(after)? })
+        let mut all = Shown::default();
+        if self.is_simulated {
+            all = shown(&Outcome::new(own_circles, settings, [before, after], found)?, found);
+        }
+        let records = [before.path()?, after.path()?];
+        // The plane's order of axes, which may differ from that of the dropped record.
+        let [first, second] = [0, 1].map(|i| found.iter().find(|own| own.axis == records[0].axes[i].axis));
+        let (Some(first), Some(second)) = (first, second) else { return Err(anyhow!("{SIMULATED}: other axes")) };
+        let found = [first.clone(), second.clone()];
+        for (i, own) in found.iter().enumerate() {
+            let glitch = |record| own.spikes(record, i).map_err(|refused| anyhow!("{SIMULATED}: {refused}"));
+            let [before, after] = records.each_ref().map(glitch);
+            all.plots.extend(spikes_again(own.axis, &before?.spikes, &after?.spikes));
+        }
+        all.polars = circles_again(records.each_ref(), SIMULATED, &found)?;
+        Ok(all)
     }
 }

@@ -73,14 +73,14 @@ pub fn friction_csv() -> Result<String, Refusal> {
     with(|bench| bench.csv())
 }
 
-/// Identifies friction, and the drives if the machine does not state them or `find_drive` is set: tables, largest spikes,
-/// spikes, circles, settings as TOML.
+/// Identifies friction, and the drives if the machine does not state them or `find_drive` is set: tables and plots,
+/// largest spikes, settings as TOML.
 #[wasm_bindgen]
 pub fn friction_fit(files: &str, find_drive: bool) -> Result<String, Refusal> {
     with(|bench| json(&bench.fit(files, find_drive, &mut progress)?))
 }
 
-/// The simulated circles without and with the identified friction.
+/// Tables and plots of the simulated circles without and with the identified friction.
 #[wasm_bindgen]
 pub fn friction_closed() -> Result<String, Refusal> {
     with(|bench| json(&bench.closed()?))

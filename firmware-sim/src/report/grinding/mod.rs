@@ -38,6 +38,7 @@ pub fn shown(grinding: &Grinding, outcome: &Outcome, wall_s: f64) -> Result<Show
         "once-per-revolution motion leaves an eccentric pin, asynchronous motion a random one; neither is corrected"
             .into(),
         "X across probe 1, Y along it; the gauge's asynchronous value holds the probes' noise as well".into(),
+        format!("two runs in {wall_s:.1} s"),
     ];
     if after.flags.has(GaugeFlags::INFEED_FROZEN) {
         notes.push("the infeed correction was frozen at least once: it was limited, or near its bound".into());
@@ -54,7 +55,7 @@ pub fn shown(grinding: &Grinding, outcome: &Outcome, wall_s: f64) -> Result<Show
     ];
     Ok(Shown {
         title: "Grinding a crankpin".into(),
-        summary: summary.into_iter().chain(infeed).chain([format!("two runs in {wall_s:.1} s")]).collect(),
+        summary: summary.into_iter().chain(infeed).collect(),
         result: format!(
             "With correction {} % of the synchronous imprint remains: {} instead of {}.",
             significant(100.0 * outcome.imprint_ratio(), 2),

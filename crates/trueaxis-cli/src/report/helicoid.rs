@@ -1,7 +1,6 @@
 //! The flank with the tool on it, seen along the gear's axis and from the outside.
 
-use crate::report::range;
-use maud::Markup;
+use maud::{Markup, html};
 use trueaxis_evaluation::helicoid::{Job, Range};
 use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, side_by_side};
 
@@ -19,6 +18,11 @@ struct View {
     up: [f64; 3],
 }
 
+/// Smallest and largest of the values.
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+}
+
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.into_iter().zip(b).map(|(a, b)| a * b).sum()
 }
@@ -28,7 +32,8 @@ fn values(range: Range, count: usize) -> Vec<f64> {
     Range { count: if range.count == 1 { 1 } else { count }, ..range }.values().collect()
 }
 
-pub(super) fn figures(job: &Job) -> Markup {
+/// The figures of the page, beside the displacements.
+pub(crate) fn flank(job: &Job) -> (&'static str, Markup) {
     let middle = |range: Range| if range.count == 1 { range.start } else { 0.5 * (range.start + range.stop) };
     // Side view: the line of sight is the part of the outward normal perpendicular to the gear's axis.
     let [x, y, _] = job.surface.normal(middle(job.u), middle(job.theta));
@@ -47,7 +52,11 @@ pub(super) fn figures(job: &Job) -> Markup {
             up: [0.0, 0.0, 1.0],
         },
     ];
-    side_by_side(views.map(|view| view.figure(job)))
+    let figures = html! {
+        (side_by_side(views.map(|view| view.figure(job))))
+        p { "Other inputs, the tool moved over the flank, both branches and travel limits: " code { "trueaxis desk" } "." }
+    };
+    ("The flank and the tool", figures)
 }
 
 /// Lines of constant u and θ on the flank, and the tool axis at some of its points.
