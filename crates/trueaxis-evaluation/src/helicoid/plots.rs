@@ -1,6 +1,5 @@
 //! Displacements over one parameter, with one curve for each of several values of the other.
 
-use super::shown::DISPLACEMENTS;
 use super::{HelicoidDocument, Point};
 use crate::shown::{Curve, Look, Plot};
 use trueaxis_report::number::shortest;
@@ -9,6 +8,18 @@ use trueaxis_report::number::shortest;
 const COLOURS: [usize; 5] = [6, 5, 7, 3, 8];
 /// Most points of a curve.
 const DRAWN: usize = 2000;
+
+/// A value of a point.
+type Of = fn(&Point) -> f64;
+
+/// The five displacements: name, unit, value.
+pub(super) const DISPLACEMENTS: [(&str, &str, Of); 5] = [
+    ("X", "mm", |point| point.x_mm),
+    ("Y", "mm", |point| point.y_mm),
+    ("Z", "mm", |point| point.z_mm),
+    ("A", "degrees", |point| point.a_deg),
+    ("C", "degrees", |point| point.c_deg),
+];
 
 /// A plot for each displacement: along θ, or along u if θ has a single value.
 pub(super) fn displacements(document: &HelicoidDocument) -> Vec<Plot> {
@@ -26,7 +37,7 @@ pub(super) fn displacements(document: &HelicoidDocument) -> Vec<Plot> {
             along.filter_map(|k| document.points.get(index(k))).collect()
         })
         .collect();
-    let [along, across]: [fn(&Point) -> f64; 2] = if is_along_theta {
+    let [along, across]: [Of; 2] = if is_along_theta {
         [|point| point.theta_rad, |point| point.u_rad]
     } else {
         [|point| point.u_rad, |point| point.theta_rad]
@@ -35,7 +46,7 @@ pub(super) fn displacements(document: &HelicoidDocument) -> Vec<Plot> {
     let named = |points: &[&Point]| {
         points.first().map_or(String::new(), |point| format!("{other} = {} rad", shortest(across(point))))
     };
-    let plot = |(name, unit, of): (&'static str, &'static str, fn(&Point) -> f64)| {
+    let plot = |(name, unit, of): (&'static str, &'static str, Of)| {
         let values = |points: &Vec<&Point>| points.iter().map(|point| of(point)).collect::<Vec<f64>>();
         let drawn: Vec<Vec<f64>> = curves.iter().map(values).collect();
         let same = |one: &[f64], other: &[f64]| one.iter().zip(other).all(|(one, other)| (one - other).abs() < 1e-9);

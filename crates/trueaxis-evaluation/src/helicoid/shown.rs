@@ -1,7 +1,7 @@
 //! Tables of a flank and its displacements.
 
-use super::plots::displacements;
-use super::{HelicoidDocument, Point};
+use super::HelicoidDocument;
+use super::plots::{DISPLACEMENTS, displacements};
 use crate::shown::{Cell, Shown, Table};
 use trueaxis_report::number::{count, shortest};
 use trueaxis_tables::text::counted;
@@ -10,18 +10,6 @@ use trueaxis_tables::text::counted;
 const DECIMALS: i32 = 6;
 /// Most points in the table.
 const SHOWN: usize = 400;
-
-/// A value of a point.
-type Of = fn(&Point) -> f64;
-
-/// The five displacements: name, unit, value.
-pub(super) const DISPLACEMENTS: [(&str, &str, Of); 5] = [
-    ("X", "mm", |point| point.x_mm),
-    ("Y", "mm", |point| point.y_mm),
-    ("Z", "mm", |point| point.z_mm),
-    ("A", "degrees", |point| point.a_deg),
-    ("C", "degrees", |point| point.c_deg),
-];
 
 fn fixed(value: f64) -> Cell {
     Cell::fixed(value, DECIMALS)
