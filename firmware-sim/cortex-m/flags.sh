@@ -1,4 +1,4 @@
-# Compiler flags for a core, the same for the images and the counts, which share the built crates: `flags CORE`.
+# Compiler flags for a core, the same for images, counts and proofs, which share the built crates: `flags CORE`.
 # Needs $repository.
 
 # Names of source files are among the constants: folders are removed from them, so that the size is the same everywhere.

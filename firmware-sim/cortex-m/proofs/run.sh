@@ -11,16 +11,20 @@ host=$(rustc -vV | sed -n 's/^host: //p')
 tools=$(rustc --print sysroot)/lib/rustlib/$host/bin
 ../../../.ci/install "rustup:target:$mcu" qemu-system-arm
 [[ -x $tools/llvm-objdump ]] || rustup component add llvm-tools
-target=${CARGO_TARGET_DIR:-$PWD/target}/proofs
+# Built beside the images and with their flags, so that the crates that both need are built once.
+repository=$(cd ../../.. && pwd)
+source ../flags.sh
+built=${CARGO_TARGET_DIR:-$(cd .. && pwd)/target}
+target=$built/proofs
 mkdir -p "$target"
 
 # name of the program, triple, features, flags of all crates, flags of the program's own
 build() {
     local name=$1 triple=$2 features=$3 flags=$4
     shift 4
-    CARGO_TARGET_DIR=$target CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS=$flags timeout 600 \
+    CARGO_TARGET_DIR=$built CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS=$flags timeout 600 \
         cargo rustc --quiet --release --locked --target "$triple" --features "$features" -- "$@" &&
-        cp "$target/$triple/release/trueaxis-proofs" "$target/$name.elf"
+        cp "$built/$triple/release/trueaxis-proofs" "$target/$name.elf"
 }
 
 # core, triple, features, flags
@@ -73,12 +77,12 @@ bound() {
 
 # On the host also the decoders of tables and learned corrections, for any bytes of any length.
 prove host "$host" double,decoders ''
-prove m4f "$mcu" '' ''
-prove m7 "$mcu" double,fp64 '-Ctarget-cpu=cortex-m7'
+prove m4f "$mcu" '' "$(flags m4f)"
+prove m7 "$mcu" double,fp64 "$(flags m7)"
 printf '%-26s %-4s %9s %9s %9s %7s\n' bytes core bound painted committed limit
 failed=0
-bound m4f painted '' mps2-an386 cortex-m4
-bound m7 painted,double,fp64 '-Ctarget-cpu=cortex-m7' mps2-an500 cortex-m7
+bound m4f painted "$(flags m4f)" mps2-an386 cortex-m4
+bound m7 painted,double,fp64 "$(flags m7)" mps2-an500 cortex-m7
 python3 size.py budgets.toml m4f "$target/m4f.elf" || failed=1
 python3 size.py budgets.toml m7 "$target/m7.elf" || failed=1
 exit "$failed"
