@@ -22,7 +22,7 @@ mkdir -p "$target"
 build() {
     local name=$1 triple=$2 features=$3 flags=$4
     shift 4
-    CARGO_TARGET_DIR=$built CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS=$flags timeout 600 \
+    CARGO_TARGET_DIR=$built CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS=$flags timeout 1800 \
         cargo rustc --quiet --release --locked --target "$triple" --features "$features" -- "$@" &&
         cp "$built/$triple/release/trueaxis-proofs" "$target/$name.elf"
 }
