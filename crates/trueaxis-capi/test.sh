@@ -14,13 +14,14 @@ out=$target/capi
 mkdir -p "$out"
 export CARGO_TARGET_DIR=$target
 
-# The library: host, Cortex-M4F, Cortex-M7. The images stay apart, since they are built for different processors.
+# The library: host, Cortex-M4F, Cortex-M7. Both are built in one folder, so that what runs on the host is built once.
 "$root/.ci/commands"
 host=$target/release/libtrueaxis_capi.a
 thumb() { # name, further arguments of cargo
     local name=$1
     shift
-    CARGO_TARGET_DIR=$target/capi-$name cargo rustc --quiet --lib --crate-type staticlib --profile image -p trueaxis-capi --target "$mcu" "$@"
+    CARGO_TARGET_DIR=$target/capi-mcu cargo rustc --quiet --lib --crate-type staticlib --profile image -p trueaxis-capi --target "$mcu" "$@"
+    cp "$target/capi-mcu/$mcu/image/libtrueaxis_capi.a" "$out/$name.a"
 }
 thumb m4f --features single
 CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' thumb m7 --features fp64
@@ -58,7 +59,7 @@ in_qemu() { # name, core (m4f or m7), first tables, further flags
     esac
     arm-none-eabi-gcc -std=c99 "${strict[@]}" "${flags[@]}" -mthumb -mfloat-abi=hard -ffunction-sections -DBARE_METAL "$@" \
         "-DFIRST=\"$tables\"" "-DSECOND=\"$second\"" "$source" examples/c/cortex-m/startup.c examples/c/cortex-m/tables.S \
-        "$target/capi-$core/$mcu/image/libtrueaxis_capi.a" \
+        "$out/$core.a" \
         --specs=rdimon.specs -nostartfiles -Texamples/c/cortex-m/mps2.ld -Wl,--gc-sections,-z,noexecstack -o "$out/$name.elf"
     timeout 600 qemu-system-arm -M "$board" -cpu "$cpu" -nographic -monitor none -serial none \
         -semihosting-config enable=on,target=native -kernel "$out/$name.elf" >"$out/$name.txt"

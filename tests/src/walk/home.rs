@@ -114,14 +114,14 @@ impl<R: Scalar, P: Place, const N: usize> Walker<'_, '_, R, P, N> {
         }
         let tally = &mut self.contract.tally;
         let forward = servo.correction_at(&command, &Conditions::default());
-        tally.that(Rule::Settles, found.is_some(), &|| format!("{sent:?}, not {forward:?}"))?;
+        tally.that(Rule::Settles, found.is_some(), || format!("{sent:?}, not {forward:?}"))?;
         let way = found.unwrap_or_default();
         let Ok(errors) = servo.error_at(&self.outcome.output.drive, &way) else { return Ok(()) };
         // The volumetric form also corrects directions; these errors do not include the effect of its rotary axes on the tip.
         let turned = servo.compensation().volumetric().is_some() && sent[3..].iter().any(|c| *c != 0.0);
         if !turned {
             let cancels = errors.iter().zip(sent).all(|(error, c)| near(-error.to_f64(), c));
-            tally.that(Rule::Cancels, cancels, &|| format!("{errors:?} against {sent:?}"))?;
+            tally.that(Rule::Cancels, cancels, || format!("{errors:?} against {sent:?}"))?;
         }
         Ok(())
     }

@@ -112,7 +112,7 @@ impl Leg {
         if self.number % 47 == 5 {
             let again = self.walk()?;
             let found = || format!("{:x}, not {:x}", again.digest, walked.digest);
-            let repeats = walked.tally.that(Rule::Repeats, again == walked, &found);
+            let repeats = walked.tally.that(Rule::Repeats, again == walked, found);
             repeats.map_err(|broken| Box::new(Failure { leg: *self, cycle: walked.cycles, broken }))?;
         }
         Ok(walked)
@@ -221,7 +221,7 @@ impl Leg {
         let cycles = walker.cycles;
         let found = || format!("{} allocations, {} bytes", heap.count_total, heap.bytes_total);
         result
-            .and_then(|()| walker.contract.tally.that(Rule::Allocation, heap.count_total == 0, &found))
+            .and_then(|()| walker.contract.tally.that(Rule::Allocation, heap.count_total == 0, found))
             .and_then(|()| without_cycles::check(self.number, ground, &mut walker.contract.tally))
             .map_err(|broken| (cycles, broken))?;
         let tally = walker.contract.tally;
@@ -247,7 +247,7 @@ impl Leg {
         }
         let end = walker.home(home, measured)?;
         let found = || format!("{end:x}, not {start:x}");
-        walker.contract.tally.that(Rule::Returns, start == end, &found)
+        walker.contract.tally.that(Rule::Returns, start == end, found)
     }
 }
 

@@ -115,7 +115,7 @@ impl Tally {
     /// # Errors
     /// The rule does not hold.
     #[inline(always)]
-    pub fn that(&mut self, rule: Rule, holds: bool, found: &dyn Fn() -> String) -> Result<(), Broken> {
+    pub fn that(&mut self, rule: Rule, holds: bool, found: impl FnOnce() -> String) -> Result<(), Broken> {
         self.0[rule as usize] += 1;
         if holds { Ok(()) } else { Err(broken(rule, found)) }
     }
@@ -138,6 +138,6 @@ impl Tally {
 
 #[cold]
 #[inline(never)]
-fn broken(rule: Rule, found: &dyn Fn() -> String) -> Broken {
+fn broken(rule: Rule, found: impl FnOnce() -> String) -> Broken {
     Broken { rule, found: found() }
 }

@@ -70,6 +70,6 @@ impl<P: Place, const N: usize> Through<P, N> {
             && record.status.has(Status::STOP_REQUEST) != usable
             && record.correction.iter().all(|c| *c == R::ZERO);
         self.next = self.next.wrapping_add(1);
-        tally.that(Rule::Bypass, holds, &|| format!("{output:?} for {input:?}"))
+        tally.that(Rule::Bypass, holds, || format!("{output:?} for {input:?}"))
     }
 }

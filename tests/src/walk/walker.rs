@@ -125,7 +125,7 @@ impl<'g, 'a, R: Scalar, P: Place, const N: usize> Walker<'g, 'a, R, P, N> {
         let refused = moment.input.refusal.fault;
         let holds = if refused == Fault::None { finite && reached } else { refused.stops() };
         let found = || format!("{tool:?}, not {there:?}: {refused:?}, {:?}", moment.input.command);
-        self.contract.tally.that(Rule::Rtcp, holds, &found)
+        self.contract.tally.that(Rule::Rtcp, holds, found)
     }
 
     /// The tool's pose at the positions of a cycle.
@@ -169,7 +169,7 @@ impl<'g, 'a, R: Scalar, P: Place, const N: usize> Walker<'g, 'a, R, P, N> {
         digests[1].add(&shadow.outcome, true);
         let rule = if shadow.twin { Rule::Twin } else { Rule::Copied };
         let found = || format!("{:?}\nnot\n{:?}", self.outcome, shadow.outcome);
-        self.contract.tally.that(rule, digests[0] == digests[1], &found)?;
+        self.contract.tally.that(rule, digests[0] == digests[1], found)?;
         shadow.left -= 1;
         if shadow.left == 0 {
             self.shadow = None;

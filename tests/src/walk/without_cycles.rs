@@ -17,7 +17,7 @@ pub(super) fn check<R: Scalar, P: Place, const N: usize>(
     for (measured, fits) in [(period, true), (period + period / 500, false), (period - period / 500, false)] {
         let answer = ground.loops[0].check_period(measured);
         let expected = if fits { Ok(()) } else { Err(Fault::PeriodMismatch) };
-        tally.that(Rule::Period, answer == expected, &|| format!("{answer:?} for {measured} of {period} ns"))?;
+        tally.that(Rule::Period, answer == expected, || format!("{answer:?} for {measured} of {period} ns"))?;
     }
     if number.is_multiple_of(16) {
         let files = &sample::FILES;
@@ -25,11 +25,11 @@ pub(super) fn check<R: Scalar, P: Place, const N: usize>(
         let Ok(tables) = Tcomp::parse(file) else { return Ok(()) };
         let own = tables.machine_id();
         let holds = tables.expect_machine(own).is_ok() && tables.expect_machine(own ^ 1 << (number % 32)).is_err();
-        tally.that(Rule::Foreign, holds, &|| format!("{own}"))?;
+        tally.that(Rule::Foreign, holds, || format!("{own}"))?;
         let mut damaged = file.clone();
         let at = (number as usize).wrapping_mul(7919) % file.len();
         damaged[at] ^= 1 << (number / 16 % 8);
-        tally.that(Rule::Foreign, Tcomp::parse(&damaged).is_err(), &|| format!("byte {at} damaged"))?;
+        tally.that(Rule::Foreign, Tcomp::parse(&damaged).is_err(), || format!("byte {at} damaged"))?;
     }
     Ok(())
 }

@@ -36,7 +36,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
     ) -> Result<(), Broken> {
         let record = &seen.outcome.output.record;
         let agrees = record.dynamic.is_some() == seen.facts.dynamic;
-        self.tally.that(Rule::NoDynamic, agrees, &|| format!("{:?}", record.dynamic))?;
+        self.tally.that(Rule::NoDynamic, agrees, || format!("{:?}", record.dynamic))?;
         let Some(parts) = &record.dynamic else {
             let geometric = record.correction.map(|c| Moving::at(c.to_f64()));
             self.parts = Parts { geometric, ..Parts::default() };
@@ -77,7 +77,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             if !self.senses.due {
                 let unchanged = (sent - before.c).abs() <= 8.0 * R::EPSILON.to_f64() * (sent.abs() + geometric.abs());
                 let found = || format!("axis {k}: {before:?} to {sent} in no time");
-                self.tally.that(Rule::Pace, unchanged || seen.exchanged, &found)?;
+                self.tally.that(Rule::Pace, unchanged || seen.exchanged, found)?;
                 continue;
             }
             let keeps = moving.keeps::<R>(sent, geometric, &axis.dynamic);
@@ -85,14 +85,14 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
                 [Rule::DynamicMagnitude, Rule::DynamicSlope, Rule::DynamicAcceleration].into_iter().zip(keeps)
             {
                 let found = || format!("axis {k}: {before:?} to {moving:?} of {:?}", axis.dynamic);
-                self.tally.that(rule, keeps, &found)?;
+                self.tally.that(rule, keeps, found)?;
             }
             let moving = &mut self.parts.geometric[k];
             let before = *moving;
             let keeps = moving.keeps::<R>(geometric, 2.0 * sent, &axis.sum);
             if self.parts.free[k] > 3 && axis.present {
                 let found = || format!("axis {k}: {before:?} to {moving:?} of {:?}", axis.sum);
-                self.tally.that(Rule::GeometricLimits, keeps == [true; 3], &found)?;
+                self.tally.that(Rule::GeometricLimits, keeps == [true; 3], found)?;
             }
         }
         Ok(())
@@ -125,14 +125,14 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             for (part, may) in silent {
                 if !may {
                     let found = || format!("axis {k}, {on:?}, out: {out}, {verdict:?}: {parts:?}");
-                    self.tally.that(Rule::PartsOff, part == R::ZERO, &found)?;
+                    self.tally.that(Rule::PartsOff, part == R::ZERO, found)?;
                 }
             }
             if linear && any(Dynamics::LEARNED) {
                 let learned = input.learned[k];
                 let wanted = if learned.is_usable() { learned.since_near(P::default()) } else { R::ZERO };
                 let found = || format!("axis {k}: {:?}, not {wanted:?}", parts.learned[k]);
-                self.tally.that(Rule::Learned, parts.learned[k] == wanted, &found)?;
+                self.tally.that(Rule::Learned, parts.learned[k] == wanted, found)?;
             }
         }
         Ok(())
@@ -147,11 +147,11 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         if self.parts.out && !seen.exchanged {
             let stays = verdict.holds() || works && on && !input.reset;
             let found = || format!("{:?}, {verdict:?}, on: {on}", record.status);
-            self.tally.that(Rule::FeedbackOut, out == (stays && !first) || first, &found)?;
+            self.tally.that(Rule::FeedbackOut, out == (stays && !first) || first, found)?;
         } else {
             let may = verdict == Verdict::Active && on && seen.facts.feedback;
             let found = || format!("{:?}, {verdict:?}, on: {on}", record.status);
-            self.tally.that(Rule::FeedbackOut, !out || may || seen.exchanged, &found)?;
+            self.tally.that(Rule::FeedbackOut, !out || may || seen.exchanged, found)?;
         }
         self.parts.out = out;
         let feedback = record.dynamic.map(|parts| (parts.feedback, input.dynamics));
@@ -160,7 +160,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             && parts == on
         {
             let same = before == now;
-            self.tally.that(Rule::FeedbackStands, same, &|| format!("{now:?} after {before:?}"))?;
+            self.tally.that(Rule::FeedbackStands, same, || format!("{now:?} after {before:?}"))?;
         }
         self.parts.frozen = frozen;
         Ok(())

@@ -103,7 +103,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
         if self.latched.is_none() && !any {
             let readings = self.readings(seen, &input.command, active && !first);
             let joint = stops && reported.0 == Fault::JointRange;
-            tally.that(Rule::StopsOnlyWhenDue, !stops || joint, &|| format!("{reported:?} for {input:?}"))?;
+            tally.that(Rule::StopsOnlyWhenDue, !stops || joint, || format!("{reported:?} for {input:?}"))?;
             (self.started, self.active) = (true, active);
             let frozen = active && !first && off || readings.iter().any(|fault| *fault != Fault::None);
             if !joint {
@@ -112,11 +112,11 @@ impl<P: Place, const N: usize> Senses<P, N> {
                     late || fault != Fault::None && readings.get(usize::from(axis)) == Some(&fault)
                 };
                 if frozen {
-                    tally.that(Rule::Reading, fits(reported), &|| {
+                    tally.that(Rule::Reading, fits(reported), || {
                         format!("{reported:?}, due {readings:?}, off: {off}")
                     })?;
                 } else {
-                    tally.that(Rule::ReadingOnlyWhenDue, reported.0 == Fault::None, &|| {
+                    tally.that(Rule::ReadingOnlyWhenDue, reported.0 == Fault::None, || {
                         format!("{reported:?} for {input:?}")
                     })?;
                 }
@@ -129,7 +129,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
         }
         let was_latched = self.latched;
         if was_latched.is_none() {
-            tally.that(Rule::Stops, stops && is_due(reported), &|| format!("{reported:?}, due {due:?}, {input:?}"))?;
+            tally.that(Rule::Stops, stops && is_due(reported), || format!("{reported:?}, due {due:?}, {input:?}"))?;
             self.latch(reported);
         }
         let placed = self.started || self.placed(seen);
@@ -146,20 +146,20 @@ impl<P: Place, const N: usize> Senses<P, N> {
         let continues = !stops || reported.0 == Fault::JointRange;
         let released = match near {
             Size::Within if may => {
-                tally.that(Rule::ResetReleases, continues, &|| format!("{reported:?}, {input:?}, held {held:?}"))?;
+                tally.that(Rule::ResetReleases, continues, || format!("{reported:?}, {input:?}, held {held:?}"))?;
                 true
             }
             Size::Either if may => continues,
             _ => {
                 let rule = if rising { Rule::ResetOnlyNear } else { Rule::Latches };
                 let found = || format!("{reported:?} after {latched:?}, held {held:?}, due {due:?}, {input:?}");
-                tally.that(rule, stops && reported == latched, &found)?;
+                tally.that(rule, stops && reported == latched, found)?;
                 false
             }
         };
         if released {
             let quiet = stops || reported.0 == Fault::None;
-            tally.that(Rule::ResetReleases, quiet, &|| format!("released with {reported:?}"))?;
+            tally.that(Rule::ResetReleases, quiet, || format!("released with {reported:?}"))?;
             self.latched = None;
             self.started = true;
             (self.steady, self.counted, self.unmoved) = (self.good, input.command, [0.0; N]);

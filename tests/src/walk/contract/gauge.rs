@@ -53,12 +53,12 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let reported = output.flags.has(GaugeFlags::PROBE_RANGE);
         // Without an angle the probes are not evaluated.
         let holds = if good { !reported } else { output.flags.discards() };
-        self.tally.that(Rule::Probes, holds, &|| format!("{:?} for {:?}", output.flags, probes.readings))?;
+        self.tally.that(Rule::Probes, holds, || format!("{:?} for {:?}", output.flags, probes.readings))?;
         let limit = seen.ground.infeed_limit_um * 1e-3;
         let infeed = output.infeed.to_f64();
         // False for NaN.
         let bounded = infeed.abs() <= BETWEEN * limit * (1.0 + 1e-5);
-        self.tally.that(Rule::InfeedBound, bounded, &|| format!("{infeed} mm of {limit}"))?;
+        self.tally.that(Rule::InfeedBound, bounded, || format!("{infeed} mm of {limit}"))?;
 
         let memory = &mut self.gauge;
         let counts = state.counts();
@@ -77,7 +77,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             if learns && (memory.limited > few || memory.ineffective > few) {
                 let frozen = output.flags.has(GaugeFlags::INFEED_FROZEN);
                 let found = || format!("{memory:?}, {:?}", output.flags);
-                self.tally.that(Rule::InfeedFrozen, frozen, &found)?;
+                self.tally.that(Rule::InfeedFrozen, frozen, found)?;
             }
             (memory.cycles, memory.limited, memory.ineffective) = (0, 0, 0);
         }
@@ -93,7 +93,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         // Clearing the profile learned from the last part counts as work, but not as work on a revolution.
         let in_work = u32::from(!state.is_settled() && !memory.clearing);
         let done = loose.wrapping_sub(memory.lost);
-        self.tally.that(Rule::GaugeCounts, done == in_work, &|| format!("{counts:?}, in work: {in_work}"))?;
+        self.tally.that(Rule::GaugeCounts, done == in_work, || format!("{counts:?}, in work: {in_work}"))?;
         if output.finished {
             self.revolution(seen)?;
         }
@@ -107,19 +107,19 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let correction = state.correction();
         let limit = seen.ground.infeed_limit_um;
         let bounded = correction.iter().all(|c| c.to_f64().abs() <= limit * (1.0 + 1e-5));
-        self.tally.that(Rule::InfeedBound, bounded, &|| format!("{correction:?} µm of {limit}"))?;
+        self.tally.that(Rule::InfeedBound, bounded, || format!("{correction:?} µm of {limit}"))?;
         let motion = [latest.x, latest.y];
         let numbers = motion.iter().flat_map(|motion| {
             let [cosine, sine] = motion.once_per_revolution_um;
             [motion.synchronous_um, motion.asynchronous_um, motion.total_um, cosine, sine]
         });
         let finite = latest.peak_to_valley_um.is_finite() && numbers.into_iter().all(|x| x.is_finite());
-        self.tally.that(Rule::Finite, finite, &|| format!("{latest:?}"))?;
+        self.tally.that(Rule::Finite, finite, || format!("{latest:?}"))?;
         if latest.flags.has(GaugeFlags::INFEED_FROZEN) && !latest.flags.has(GaugeFlags::INFEED_REDUCED) {
             let before = &self.gauge.correction[..correction.len()];
             let same = correction == before || correction.iter().all(|c| *c == R::ZERO);
             let found = || format!("{:?}: {correction:?} after {before:?}", latest.flags);
-            self.tally.that(Rule::InfeedFrozen, same, &found)?;
+            self.tally.that(Rule::InfeedFrozen, same, found)?;
         }
         self.gauge.correction[..correction.len()].copy_from_slice(correction);
         Ok(())

@@ -75,7 +75,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             _ => false,
         };
         let found = || format!("axis {k} at {:?}, {verdict:?}, first: {first}", seen.moment.input.command);
-        self.tally.that(Rule::JointRangeOnlyWhenDue, possible, &found)
+        self.tally.that(Rule::JointRangeOnlyWhenDue, possible, found)
     }
 
     /// Checks drives, corrections and the host's feedback.
@@ -104,7 +104,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
                 true => is_near::<R, P>(output.feedback[k], expected, reading, self.motion.correction[k]),
             };
             let found = || format!("axis {k}: {:?}, not {expected:?}", output.feedback[k]);
-            self.tally.that(Rule::FeedbackIsMeasured, same, &found)?;
+            self.tally.that(Rule::FeedbackIsMeasured, same, found)?;
         }
         Ok(())
     }
@@ -127,7 +127,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
                 let (was, is) = (motion.correction[k], output.record.correction[k]);
                 format!("axis {k}: drive {:?} after {place:?}, correction {is:?} after {was:?}", output.drive[k])
             };
-            self.tally.that(Rule::Hold, holds, &found)?;
+            self.tally.that(Rule::Hold, holds, found)?;
             motion.sum[k].stop();
             if seen.exchanged {
                 motion.sum[k].lowered::<R>(&seen.facts.axes[k].sum);
@@ -155,14 +155,14 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
                 false => drive.bits() == expected.bits(),
                 true => is_near::<R, P>(drive, expected, command, output.record.correction[k]),
             };
-            self.tally.that(Rule::DriveIsSum, same, &|| format!("axis {k}: {drive:?}, not {expected:?}"))?;
+            self.tally.that(Rule::DriveIsSum, same, || format!("axis {k}: {drive:?}, not {expected:?}"))?;
             if within && axis.present {
                 let inside = drive.is_within(&axis.joint);
-                self.tally.that(Rule::JointRange, inside, &|| format!("axis {k} at {drive:?} of {:?}", axis.joint))?;
+                self.tally.that(Rule::JointRange, inside, || format!("axis {k} at {drive:?} of {:?}", axis.joint))?;
             }
             if first {
                 let passes = c == R::ZERO && drive.bits() == command.bits();
-                self.tally.that(Rule::First, passes, &|| format!("axis {k}: {drive:?} for {command:?}"))?;
+                self.tally.that(Rule::First, passes, || format!("axis {k}: {drive:?} for {command:?}"))?;
                 continue;
             }
             self.limited(seen, k, c, verdict)?;
@@ -189,13 +189,13 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             let dynamic = seen.exchanged || seen.facts.dynamic || before.other() > 0.0;
             let unchanged = (c.to_f64() - before.c).abs() <= if dynamic { rounding } else { 0.0 };
             let found = || format!("axis {k}: {before:?} to {c:?} in no time, {verdict:?}");
-            return self.tally.that(Rule::Pace, unchanged, &found);
+            return self.tally.that(Rule::Pace, unchanged, found);
         }
         let keeps = moving.keeps::<R>(c.to_f64(), other, &axis.sum);
         let holds = keeps == [true; 3];
         let found = || format!("axis {k}: {before:?} to {moving:?} of {:?}, {verdict:?}", axis.sum);
         let rule = if seen.exchanged { Rule::ExchangeSmooth } else { rule_of(keeps) };
-        self.tally.that(rule, holds, &found)?;
+        self.tally.that(rule, holds, found)?;
         if !seen.exchanged {
             self.tally.0[Rule::Magnitude as usize] += 1;
             self.tally.0[Rule::Slope as usize] += 1;
@@ -205,7 +205,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             let size = before.c.abs().max(moving.c.abs()).max(before.other()) + before.v.abs();
             let still = moving.v.abs() <= most + 1e-6 * axis.sum.a + 4.0 * R::EPSILON.to_f64() * size;
             let settled = before.v.abs() > axis.sum.a || moving.c == before.c || still && before.v != 0.0;
-            self.tally.that(Rule::Freeze, still && settled, &|| {
+            self.tally.that(Rule::Freeze, still && settled, || {
                 format!("axis {k}: {before:?} to {moving:?} of {:?}", axis.sum)
             })?;
         }
@@ -219,7 +219,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         if record.dynamic.is_none() {
             let expected = (0..N).fold(0, |bits, k| bits | u8::from(total[k] != R::ZERO) << k);
             let found = || format!("{:b}, not {expected:b}, for {total:?}", record.limited);
-            self.tally.that(Rule::LimitedReported, record.limited == expected, &found)?;
+            self.tally.that(Rule::LimitedReported, record.limited == expected, found)?;
         }
         if motion.dark == 0.0 || seen.exchanged {
             motion.may = motion.dark;
@@ -232,7 +232,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let negligible = if seen.facts.dynamic { 1e-9 } else { 0.0 };
         if total.iter().any(|c| c.to_f64().abs() > negligible) {
             let found = || format!("{total:?} after {} cycles, {} at most", motion.dark, motion.may);
-            return self.tally.that(Rule::RampedOut, motion.dark <= motion.may, &found);
+            return self.tally.that(Rule::RampedOut, motion.dark <= motion.may, found);
         }
         if total.iter().all(|c| *c == R::ZERO) {
             let commands = output.drive.iter().zip(&seen.moment.input.command).zip(&record.correction);
@@ -242,7 +242,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
                 true => true,
             });
             let found = || format!("{:?} for {:?}, {:?}", output.drive, seen.moment.input.command, record.correction);
-            self.tally.that(Rule::Disabled, same, &found)?;
+            self.tally.that(Rule::Disabled, same, found)?;
         }
         Ok(())
     }

@@ -37,7 +37,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let may = plausible || record.fault == Fault::JointRange && measured != Measured::Nothing;
         let found = || format!("{:?}, {verdict:?}: {:?}, {:?}", record.status, record.tip, record.encoder);
         let none = !record.tip.is_measured() && !record.encoder.is_measured();
-        self.tally.that(Rule::ContourReported, agrees && (may || none), &found)?;
+        self.tally.that(Rule::ContourReported, agrees && (may || none), found)?;
         self.consistent(&record.tip)?;
         self.consistent(&record.encoder)?;
         self.orientation(seen)?;
@@ -56,7 +56,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let bounded = error.evaluations <= EVALUATIONS && error.width >= R::ZERO && reported >= 0.0;
         let empty = error.is_measured() || length == 0.0 && error.lag == R::ZERO;
         let holds = near && inside && bounded && empty;
-        self.tally.that(Rule::ContourConsistent, holds, &|| format!("{error:?}"))
+        self.tally.that(Rule::ContourConsistent, holds, || format!("{error:?}"))
     }
 
     fn orientation(&mut self, seen: &Seen<'_, '_, R, P, N>) -> Result<(), Broken> {
@@ -66,7 +66,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let sound = (0.0..=1.0001 * std::f64::consts::PI).contains(&angle);
         let holds = sound && (silent || seen.moment.measured == Measured::ToolPath);
         let found = || format!("{angle}, {:?}, {:?}", record.orientation_flags, seen.moment.measured);
-        self.tally.that(Rule::Orientation, holds, &found)
+        self.tally.that(Rule::Orientation, holds, found)
     }
 
     /// Checks that the encoder's foot is at the reported span and parameter.
@@ -91,7 +91,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             let off = reading - vector[k] - foot;
             let rounding = rounding + 1e-15 * reading.abs();
             self.tally
-                .that(Rule::FootOnPath, off.abs() <= rounding, &|| format!("{off} mm along {k}: {error:?} {span:?}"))?;
+                .that(Rule::FootOnPath, off.abs() <= rounding, || format!("{off} mm along {k}: {error:?} {span:?}"))?;
         }
         Ok(())
     }
@@ -105,25 +105,25 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         }
         let at = window.reference();
         let Some(newest) = path.span(at.span) else {
-            return self.tally.that(Rule::WindowEnds, false, &|| "no span after a command".into());
+            return self.tally.that(Rule::WindowEnds, false, || "no span after a command".into());
         };
         let (end, command) = (newest.position(at.t), &seen.moment.input.command);
         let off = (0..3).map(|k| (end[k].to_f64() - command[k].to_f64()).abs()).fold(0.0, f64::max);
         let size = command[..3].iter().map(|x| x.to_f64().abs()).fold(0.0, f64::max);
         // Within a 250th of the spacing a command counts as being at the last point; a 200th is tolerated.
         let near = off <= SPACING_MM / 200.0 + 4.0 * P::GRAIN + 64.0 * R::EPSILON.to_f64() + 1e-15 * size;
-        self.tally.that(Rule::WindowEnds, near, &|| format!("{off} mm from {command:?}"))?;
+        self.tally.that(Rule::WindowEnds, near, || format!("{off} mm from {command:?}"))?;
         if let Some(before) = path.span(at.span.wrapping_sub(1)) {
             let joint = before.position(R::ONE);
             let start = newest.position(R::ZERO);
             let off = (0..3).map(|k| (joint[k].to_f64() - start[k].to_f64()).abs()).fold(0.0, f64::max);
             let near = off <= 4.0 * P::GRAIN + 64.0 * R::EPSILON.to_f64() + 1e-15 * size;
-            self.tally.that(Rule::WindowJoined, near, &|| format!("{off} mm at span {}", at.span))?;
+            self.tally.that(Rule::WindowJoined, near, || format!("{off} mm at span {}", at.span))?;
         }
         // At most one further per cycle; one back if a command returns to the last point.
         let number = at.span;
         let ordered = self.window.newest.is_none_or(|last| number.wrapping_sub(last).wrapping_add(1) <= 3);
-        self.tally.that(Rule::WindowJoined, ordered, &|| format!("{number} after {:?}", self.window.newest))?;
+        self.tally.that(Rule::WindowJoined, ordered, || format!("{number} after {:?}", self.window.newest))?;
         self.window.newest = Some(number);
         self.nearest(seen, &path, &end)?;
         self.on_path(seen, &path)
@@ -150,7 +150,7 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let chord = path.span(error.span).map_or(0.0, |span| span.length().to_f64());
         let allowed = distance + chord / 9.0 + 2.0 * apart(record, path) + rounding;
         let holds = error.error.to_f64() <= allowed;
-        self.tally.that(Rule::WindowNearest, holds, &|| format!("{distance} mm to the newest command, {error:?}"))
+        self.tally.that(Rule::WindowNearest, holds, || format!("{distance} mm to the newest command, {error:?}"))
     }
 }
 

@@ -35,12 +35,12 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let (tally, output) = (&mut self.tally, &seen.outcome.output);
         let record = &output.record;
         let next = self.next.unwrap_or(0);
-        tally.that(Rule::Sequence, record.sequence == next, &|| format!("{} after {next} − 1", record.sequence))?;
+        tally.that(Rule::Sequence, record.sequence == next, || format!("{} after {next} − 1", record.sequence))?;
         self.next = Some(next.wrapping_add(1));
         let ids = (record.machine_id, record.tables_crc);
         let own = (seen.facts.machine_id, seen.facts.tables_crc);
-        tally.that(Rule::Identity, ids == own, &|| format!("{ids:?} for {own:?}"))?;
-        tally.that(Rule::Finite, is_finite(output), &|| format!("{output:?}"))
+        tally.that(Rule::Identity, ids == own, || format!("{ids:?} for {own:?}"))?;
+        tally.that(Rule::Finite, is_finite(output), || format!("{output:?}"))
     }
 
     /// Rules that depend on the verdict.
@@ -56,16 +56,16 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         };
         let mask = Status::ACTIVE.0 | Status::FROZEN.0 | Status::STOP_REQUEST.0;
         let found = || format!("{:?}, {verdict:?}", record.status);
-        tally.that(Rule::State, record.status.0 & mask == state & mask, &found)?;
-        tally.that(Rule::NoOutput, output.has_drive() == (verdict != Verdict::NoOutput), &found)?;
+        tally.that(Rule::State, record.status.0 & mask == state & mask, found)?;
+        tally.that(Rule::NoOutput, output.has_drive() == (verdict != Verdict::NoOutput), found)?;
         let accepted = self.senses.accepted();
         let same = record.feedback.iter().zip(accepted).all(|(a, b)| a.bits() == b.bits());
-        tally.that(Rule::ReadingInForce, same, &|| format!("{:?}, not {accepted:?}", record.feedback))?;
+        tally.that(Rule::ReadingInForce, same, || format!("{:?}, not {accepted:?}", record.feedback))?;
         let command = if verdict.holds() { &self.senses.held } else { &input.command };
         let same = record.command.iter().zip(command).all(|(a, b)| a.bits() == b.bits());
-        tally.that(Rule::CommandInForce, same, &|| format!("{:?}, not {command:?}", record.command))?;
+        tally.that(Rule::CommandInForce, same, || format!("{:?}, not {command:?}", record.command))?;
         if verdict.holds() {
-            tally.that(Rule::LimitedReported, record.limited == 0, &|| format!("{:b} while held", record.limited))?;
+            tally.that(Rule::LimitedReported, record.limited == 0, || format!("{:b} while held", record.limited))?;
         }
         if let Some((slot, line)) = seen.moment.thermal
             && let Some(reach) = self.grown.get_mut(slot)
@@ -89,9 +89,9 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
             let at = [input.command[k], record.feedback[k]].map(P::to_f64);
             let reported = record.at_edge >> k & 1 == 1;
             if at.iter().all(|at| *at > low + margin && *at < high - margin) {
-                tally.that(Rule::AtEdge, !reported, &|| format!("axis {k} at {at:?} within {low} to {high}"))?;
+                tally.that(Rule::AtEdge, !reported, || format!("axis {k} at {at:?} within {low} to {high}"))?;
             } else if at.iter().all(|at| *at > high + margin) || at.iter().all(|at| *at < low - margin) {
-                tally.that(Rule::AtEdge, reported, &|| format!("axis {k} at {at:?} beyond {low} to {high}"))?;
+                tally.that(Rule::AtEdge, reported, || format!("axis {k} at {at:?} beyond {low} to {high}"))?;
             }
         }
         Ok(())
