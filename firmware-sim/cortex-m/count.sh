@@ -46,8 +46,9 @@ source flags.sh
 build() { # core, further arguments of cargo
     local core=$1
     shift
-    CARGO_TARGET_DIR=$target CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="$(flags "$core")" cargo build --quiet --release --bin count "$@"
-    cp "$target/$mcu/release/count" "$inputs/$core.elf"
+    CARGO_TARGET_DIR="$(built "$core")" CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="$(flags "$core")" \
+        cargo build --quiet --release --bin count "$@"
+    cp "$(built "$core")/$mcu/release/count" "$inputs/$core.elf"
 }
 count() { # board, processor, core
     local board=$1 processor=$2 name=$3

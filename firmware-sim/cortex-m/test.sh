@@ -37,10 +37,9 @@ elf() { # core, or another name
 build() { # name, core, further arguments of cargo
     local name=$1 core=$2
     shift 2
-    # In one folder, so that what runs on the host is built once.
-    CARGO_TARGET_DIR=$target CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="$(flags "$core")" \
+    CARGO_TARGET_DIR="$(built "$core")" CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="$(flags "$core")" \
         cargo build --quiet --release --bin image "$@"
-    cp "$target/$mcu/release/image" "$(elf "$name")"
+    cp "$(built "$core")/$mcu/release/image" "$(elf "$name")"
 }
 build hurried m4f --features hurried
 build m4f m4f
