@@ -18,6 +18,8 @@ ROOT = Path(__file__).resolve().parent.parent
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 TOOLS = Path(subprocess.check_output([ROOT / ".ci/install", "--where"], text=True).strip())
 REFERENCE = ROOT.parent / "shared/data"
+# What a run from nothing may leave on the disk, GB; it prints what it has left.
+DISK_GB = 16.0
 
 TOOLS_SCRIPT = """
 # Everything that other scripts would install, so that two of them do not meet at the package manager.
@@ -72,9 +74,11 @@ cargo check --quiet -p trueaxis-metrology --target thumbv7em-none-eabihf --no-de
 """
 
 LOWEST = """
+# Of what others build: the tests and what they are made of need no more than the stable compiler.
 lowest=$(sed -n 's/^rust-version = "\\(.*\\)"/\\1/p' Cargo.toml)
 rustup run "$lowest" rustc --version 2>/dev/null || rustup toolchain install "$lowest" --profile minimal
-CARGO_TARGET_DIR="$target/lowest" cargo "+$lowest" check --quiet --workspace --exclude trueaxis-benches --exclude trueaxis-py
+CARGO_TARGET_DIR="$target/lowest" cargo "+$lowest" check --quiet --workspace --exclude trueaxis-benches --exclude trueaxis-py \\
+    --exclude trueaxis-fuzz --exclude trueaxis-testing --exclude trueaxis-tests
 rm -rf "$target/lowest"
 """
 
@@ -106,7 +110,14 @@ if [[ ! -s report/index.html ]]; then
 fi
 """
 
+DOCUMENTATION = """
+# With the features of clippy, which has checked the packages of others.
+RUSTDOCFLAGS='-D warnings' cargo doc --quiet --workspace --no-deps --features trueaxis-benches/counts,trueaxis-benches/side-by-side
+.ci/api --check
+"""
+
 BUILDS = ("tools", "commands")
+# By processor time, that of the steps which wait for them included.
 STEPS = [
     Step("cargo test", "cargo test --workspace"),
     Step("tools", TOOLS_SCRIPT, varies=True),
@@ -117,37 +128,34 @@ STEPS = [
         python3 firmware-sim/cortex-m/schedule.py firmware-sim/cortex-m/counts.toml --check docs/bare-metal.md docs/cost.md \\
             benches/README.md README.md
         """, BUILDS),
-    Step("desk", "desk/test.sh", (*BUILDS, "cargo test")),
-    Step("Python", "crates/trueaxis-py/test.sh", BUILDS),
     Step("instruction budgets", "benches/check-budgets.sh", BUILDS),
-    Step("core under Miri", "crates/trueaxis/miri.sh --quick", BUILDS),
-    Step("C interface under Miri", "crates/trueaxis-capi/miri.sh", ("core under Miri",)),
-    Step("C interface under sanitizers", "crates/trueaxis-capi/sanitize.sh --quick", (*BUILDS, "cargo test")),
-    Step("LinuxCNC under sanitizers", "integrations/linuxcnc/sanitize.sh --quick", ("C interface under sanitizers",)),
-    Step("proofs of the limiter", "tests/proofs/prove.sh", BUILDS),
-    Step("C interface", "crates/trueaxis-capi/test.sh", BUILDS),
-    Step("flash", "crates/trueaxis-capi/size.py --check docs/bare-metal.md", BUILDS),
-    Step("grblHAL", "integrations/grblhal/test.sh", ("C interface",)),
-    Step("EtherCAT", "integrations/ethercat/test.sh", BUILDS),
-    Step("single precision and three axes", SINGLE, ("cargo test",)),
+    Step("desk", "desk/test.sh", (*BUILDS, "cargo test")),
     Step("clippy", "cargo clippy --workspace --all-targets --features trueaxis-benches/counts,trueaxis-benches/side-by-side -- -D warnings",
          ("cargo test", "tools")),
-    Step("documentation", """
-        RUSTDOCFLAGS='-D warnings' cargo doc --quiet --workspace --no-deps
-        .ci/api --check
-        """, ("clippy",)),
-    Step("no_std target", NO_STD, ("clippy",)),
+    Step("core under Miri", "crates/trueaxis/miri.sh --quick", BUILDS),
+    Step("C interface under Miri", "crates/trueaxis-capi/miri.sh", ("core under Miri",)),
+    Step("C interface", "crates/trueaxis-capi/test.sh", BUILDS),
+    Step("flash", "crates/trueaxis-capi/size.py --check docs/bare-metal.md", BUILDS),
+    Step("grblHAL", "integrations/grblhal/test.sh", ("C interface", "flash")),
+    Step("Python", "crates/trueaxis-py/test.sh", BUILDS),
+    Step("C interface under sanitizers", "crates/trueaxis-capi/sanitize.sh --quick", (*BUILDS, "cargo test")),
+    Step("LinuxCNC under sanitizers", "integrations/linuxcnc/sanitize.sh --quick", ("C interface under sanitizers",)),
+    Step("Klipper", "integrations/klipper/test.sh", BUILDS),
     Step("lowest Rust version", LOWEST, BUILDS, varies=True),
     Step("feature matrix", FEATURES, BUILDS),
+    Step("proofs of the limiter", "tests/proofs/prove.sh", BUILDS),
     Step("mutants on changed lines", "tests/mutants/changed.sh", BUILDS, varies=True),
+    Step("EtherCAT", "integrations/ethercat/test.sh", BUILDS),
+    Step("the two commands of the README", COMMANDS, ("commands",)),
+    Step("documentation", DOCUMENTATION, ("clippy",)),
+    Step("single precision and three axes", SINGLE, ("cargo test",)),
+    Step("no_std target", NO_STD, ("clippy",)),
     Step("licences and sources", LICENCES, BUILDS),
-    Step("Klipper", "integrations/klipper/test.sh", BUILDS),
     Step("ROS 2 control", "integrations/ros2/test.sh", BUILDS),
     Step("packages", """
         cargo package --workspace --exclude trueaxis-tests --exclude trueaxis-benches --exclude trueaxis-testing \\
             --exclude trueaxis-desk --exclude trueaxis-fuzz --exclude trueaxis-py --no-verify --allow-dirty
         """, ("tools",)),
-    Step("the two commands of the README", COMMANDS, ("commands",)),
     Step("format and circles of files", """
         .ci/format
         .ci/circles.py crates/* firmware-sim desk/wasm benches tests fuzz
@@ -156,6 +164,25 @@ STEPS = [
     Step("one recording through every host", 'tests/hosts/table.py --check "$target/hosts" docs/hosts.md',
          ("C interface", "Python", "grblHAL", "LinuxCNC", "Klipper", "ROS 2 control", "bare metal", "EtherCAT")),
 ]
+
+
+def left_gb():
+    """What runs have left in this folder and in the target folder: all that git ignores, GB."""
+    ignored = ["git", "ls-files", "--others", "--ignored", "--exclude-standard", "--directory", "-z"]
+    names = subprocess.check_output(ignored, cwd=ROOT, text=True).split("\0")
+    folders = {ROOT / name for name in names if name} | {TARGET}
+    # A file may go while it is counted. What is in two of the folders counts once.
+    done = subprocess.run(["du", "-sck", *filter(Path.exists, folders)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=False)
+    return int(done.stdout.splitlines()[-1].split()[0]) * 1024 / 1e9
+
+
+def room():
+    """Whether the disk has room for a run; says what is lacking."""
+    needed = max(DISK_GB - left_gb(), 1.0)
+    found = shutil.disk_usage(TARGET).free / 1e9
+    if found < needed:
+        print(f".ci/run: found {found:.1f} GB free on the disk of {TARGET}, needed {needed:.1f} GB", file=sys.stderr)
+    return found >= needed
 
 
 def main():
@@ -192,7 +219,14 @@ def main():
     if shutil.which("rustup") is None:
         print(".ci/run: found no rustup, needed with the stable toolchain", file=sys.stderr)
         return 2
+    if not named and not room():
+        return 2
     code = run(steps, TARGET / "ci", ROOT / ".ci/times.toml", cold, commit)
+    if cold:
+        left = left_gb()
+        print(f"=== left on the disk: {left:.1f} GB of {DISK_GB:.0f} GB allowed by .ci/steps.py")
+        if code == 0 and left > DISK_GB:
+            code = 1
     subprocess.run([str(ROOT / ".ci/campaign")], check=True)
     return code
 

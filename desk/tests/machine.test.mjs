@@ -117,7 +117,7 @@ test("a bad file is refused in the words of the command line, and the machine be
     assert.equal(code, 2, what);
     await drop(panel, { "x.csv": content });
     const message = page.getByRole("alert").locator("span").first();
-    await page.waitForFunction((text) => document.querySelector("#error span")?.textContent === text, stderr.replace(/^error: /, "").trimEnd(), { timeout: 10_000 }).catch(() => {});
+    await page.waitForFunction((text) => document.querySelector("#error span")?.textContent === text, stderr.replace(/^error: /, "").trimEnd(), { timeout: 120_000 }).catch(() => {});
     assert.equal(`error: ${await message.textContent()}\n`, stderr, what);
     assert.deepEqual(await files(page), before, what);
   }

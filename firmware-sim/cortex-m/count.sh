@@ -21,7 +21,8 @@ mcu=thumbv7em-none-eabihf
 # In the repository's folder: the configuration of this folder builds for the processor.
 CARGO_TARGET_DIR=$on_host "$repository/.ci/commands"
 # With the flags of the host's budgets, which have built it already.
-(cd "$repository" && CARGO_TARGET_DIR=$on_host cargo build --quiet --profile image -p trueaxis-benches --features counts --bin counted)
+(cd "$repository" && CARGO_TARGET_DIR=$on_host cargo build --quiet --profile image --config benches/set-up.toml \
+    -p trueaxis-benches --features counts --bin counted)
 inputs=$target/count
 mkdir -p "$inputs"
 "$on_host/release/trueaxis" tables compile machine -o "$inputs/a.tcomp" 2>"$inputs/compile.log"
@@ -42,12 +43,15 @@ if [[ -n $kind ]]; then
     request=(-device "loader,addr=0x003ffff8,data=$kind,data-len=4" -device "loader,addr=0x003ffffc,data=$2,data-len=4")
 fi
 source flags.sh
-# board, processor, name, build
-count() {
-    local board=$1 processor=$2 name=$3
-    shift 3
-    CARGO_TARGET_DIR="$target/$name" CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="$(flags "$name")" \
+build() { # core, further arguments of cargo
+    local core=$1
+    shift
+    CARGO_TARGET_DIR="$(built "$core")" CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="$(flags "$core")" \
         cargo build --quiet --release --bin count "$@"
+    cp "$(built "$core")/$mcu/release/count" "$inputs/$core.elf"
+}
+count() { # board, processor, core
+    local board=$1 processor=$2 name=$3
     local flash=() file
     for file in a.tcomp=0x00110000 b.tcomp=0x00140000 run.rec=0x00180000; do
         # QEMU separates options by commas and doubles those in names.
@@ -55,14 +59,16 @@ count() {
     done
     timeout 1800 qemu-system-arm -M "$board" -cpu "$processor" -nographic -monitor none -serial none \
         -icount shift=7,align=off,sleep=off -semihosting-config enable=on,target=native "${flash[@]}" "${request[@]}" \
-        -kernel "$target/$name/$mcu/release/count" >"$target/$name$replay.txt" || {
+        -kernel "$inputs/$name.elf" >"$target/$name$replay.txt" || {
         tail -3 "$target/$name$replay.txt" >&2
         return 1
     }
 }
+build m4f
 count mps2-an386 cortex-m4 m4f &
 first=$!
-count mps2-an500 cortex-m7 m7 --features double &
+build m7 --features double
+count mps2-an500 cortex-m7 m7 &
 second=$!
 wait "$first"
 wait "$second"

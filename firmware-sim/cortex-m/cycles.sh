@@ -38,7 +38,7 @@ trace() {
         -semihosting-config enable=on,target=native "${options[@]}" -plugin "$plugin" -kernel "$(elf "$core")" >"$to.log"
 }
 elf() {
-    echo "$target/$1/thumbv7em-none-eabihf/release/count"
+    echo "$target/count/$1.elf"
 }
 
 {

@@ -30,20 +30,20 @@ trueaxis=$on_host/release/trueaxis
 
 say 'images'
 source flags.sh
-build() { # core, further arguments of cargo
-    local core=$1
-    shift
-    CARGO_TARGET_DIR="$target/$core" CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="$(flags "$core")" \
+mkdir -p "$target/images"
+elf() { # core, or another name
+    echo "$target/images/$1.elf"
+}
+build() { # name, core, further arguments of cargo
+    local name=$1 core=$2
+    shift 2
+    CARGO_TARGET_DIR="$(built "$core")" CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS="$(flags "$core")" \
         cargo build --quiet --release --bin image "$@"
+    cp "$(built "$core")/$mcu/release/image" "$(elf "$name")"
 }
-build m4f --features hurried
-hurried=$target/m4f/image-hurried
-cp "$target/m4f/$mcu/release/image" "$hurried"
-build m4f
-build m7 --features double
-elf() {
-    echo "$target/$1/$mcu/release/image"
-}
+build hurried m4f --features hurried
+build m4f m4f
+build m7 m7 --features double
 
 # Runs something for both cores at a time: `both NAME ARGUMENTS`, with the core as first argument.
 both() {
@@ -193,7 +193,7 @@ refuse() {
 both refuse
 
 say 'too little time'
-run m4f "$hurried" "$bad/exchange" "$work/hurried"
+run m4f "$(elf hurried)" "$bad/exchange" "$work/hurried"
 python3 - "$work/hurried" <<'PYTHON'
 import re, sys
 from pathlib import Path

@@ -15,11 +15,17 @@ out=$target/grblhal
 mkdir -p "$out"
 export CARGO_TARGET_DIR=$target
 
-# The three-axis libraries for the microcontrollers go where the tests of the C interface build theirs.
+# The three-axis libraries for the microcontrollers are built where the tests of the C interface build theirs, the small one
+# where flash is measured.
 "$root/tests/hosts/recording.sh"
-CARGO_TARGET_DIR=$target/capi-m4f cargo rustc --quiet --lib --crate-type staticlib --profile image -p trueaxis-capi --target "$mcu" --features single,three
-CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' CARGO_TARGET_DIR=$target/capi-m7 \
-    cargo rustc --quiet --lib --crate-type staticlib --profile image -p trueaxis-capi --target "$mcu" --features fp64,three
+library() { # folder, profile, name, further arguments of cargo
+    local folder=$target/$1 profile=$2 name=$3
+    shift 3
+    CARGO_TARGET_DIR=$folder cargo rustc --quiet --lib --crate-type staticlib --profile "$profile" -p trueaxis-capi --target "$mcu" "$@"
+    cp "$folder/$mcu/$profile/libtrueaxis_capi.a" "$out/$name.a"
+}
+library capi-mcu image m4f --features single,three
+CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' library capi-mcu image m7 --features fp64,three
 trueaxis=$target/release/trueaxis
 
 # Tables for the tests: good ones, and some that must be refused.
@@ -59,7 +65,7 @@ build() {
     m7) all+=(-mcpu=cortex-m7 -mfpu=fpv5-d16) ;;
     esac
     arm-none-eabi-gcc "${all[@]}" -mthumb -mfloat-abi=hard '-DFIRST="/dev/null"' '-DSECOND="/dev/null"' "$board/startup.c" \
-        "$target/capi-$core/$mcu/image/libtrueaxis_capi.a" --specs=rdimon.specs -nostartfiles "-T$board/mps2.ld" \
+        "$out/$core.a" --specs=rdimon.specs -nostartfiles "-T$board/mps2.ld" \
         -Wl,--gc-sections,-z,noexecstack,--no-warn-rwx-segments -lm -o "$out/$name-$core.elf"
 }
 run() { # for, name: its output to $out/NAME-FOR.txt
@@ -145,11 +151,10 @@ if cc "${flags[@]}" -DRTCP_AC=1 -fsyntax-only plugin/trueaxis_kinematics.c 2>"$o
 fi
 
 # A part with 256 KiB of flash and 64 KiB of RAM: nine terms, contour error against lines, records.
-CARGO_TARGET_DIR=$target/capi-small cargo rustc --quiet --lib --crate-type staticlib --profile flash -p trueaxis-capi \
-    --target "$mcu" --no-default-features --features single,three
+library flash flash small --no-default-features --features single,three
 arm-none-eabi-gcc "${flags[@]}" "-DTRUEAXIS_TABLES=\"$out/nine.tcomp\"" -DTRUEAXIS_MEMORY_BYTES=8192 -DBLOCKS=64 -DTRUEAXIS_SINGLE \
     -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mthumb -mfloat-abi=hard tables.S double/core.c "${plugin[@]}" tests/small.c \
-    "$board/startup.c" "$target/capi-small/$mcu/flash/libtrueaxis_capi.a" --specs=rdimon.specs -nostartfiles \
+    "$board/startup.c" "$out/small.a" --specs=rdimon.specs -nostartfiles \
     -Ttests/small.ld -Wl,--gc-sections,-z,noexecstack,--no-warn-rwx-segments -lm -o "$out/part256-m4f.elf"
 run m4f part256
 arm-none-eabi-size "$out/part256-m4f.elf" |

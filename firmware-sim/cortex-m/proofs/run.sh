@@ -11,16 +11,18 @@ host=$(rustc -vV | sed -n 's/^host: //p')
 tools=$(rustc --print sysroot)/lib/rustlib/$host/bin
 ../../../.ci/install "rustup:target:$mcu" qemu-system-arm
 [[ -x $tools/llvm-objdump ]] || rustup component add llvm-tools
-target=${CARGO_TARGET_DIR:-$PWD/target}/proofs
+# Built beside the images, which need the same of the host.
+built=${CARGO_TARGET_DIR:-$(cd .. && pwd)/target}
+target=$built/proofs
 mkdir -p "$target"
 
 # name of the program, triple, features, flags of all crates, flags of the program's own
 build() {
     local name=$1 triple=$2 features=$3 flags=$4
     shift 4
-    CARGO_TARGET_DIR=$target CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS=$flags timeout 600 \
+    CARGO_TARGET_DIR=$built CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS=$flags timeout 1800 \
         cargo rustc --quiet --release --locked --target "$triple" --features "$features" -- "$@" &&
-        cp "$target/$triple/release/trueaxis-proofs" "$target/$name.elf"
+        cp "$built/$triple/release/trueaxis-proofs" "$target/$name.elf"
 }
 
 # core, triple, features, flags

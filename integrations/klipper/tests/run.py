@@ -68,7 +68,7 @@ def host(name, kinematics, program, extra="", limits=LIMITS, refused=False, step
     cfg.write_text(config(kinematics, extra, limits))
     ngc.write_text(program + "DRAIN\n")
     run = subprocess.run([sys.executable, klippy / "klippy.py", cfg, "-i", ngc, "-o", sent, "-d", out / "board.dict", "-l", log],
-                         timeout=120, capture_output=True, text=True)
+                         timeout=600, capture_output=True, text=True)
     text = run.stdout + run.stderr + (log.read_text() if log.exists() else "")
     if bool(run.returncode) != refused:
         sys.exit(f"{name}: the host ended with {run.returncode}:\n{text[-2000:]}")

@@ -34,7 +34,7 @@ def friction(folder):
     expect(lines[0] == "t_s,x_cmd_mm,x_mm,y_cmd_mm,y_mm", "header of the record", lines[0])
     expect(len(lines) > 15000, "only %d samples" % len(lines))
     done = subprocess.run([TRUEAXIS, "friction", "record.csv", "--axes", "X,Y", "--json", "-o", "friction.toml"],
-                          cwd=folder, capture_output=True, text=True, timeout=120)
+                          cwd=folder, capture_output=True, text=True, timeout=120 * rig.PATIENCE)
     expect(done.returncode == 0, "trueaxis friction", done.stderr)
     said = []
     for axis in json.loads(done.stdout)["axes"]:

@@ -285,7 +285,7 @@ def table_of(folder, words, positions):
     with open(path, "w") as f:
         f.write("x_mm,y_mm,z_mm,a_deg,c_deg\n")
         f.writelines(",".join(map(repr, p)) + "\n" for p in positions)
-    done = subprocess.run([TRUEAXIS] + words + [path], check=True, capture_output=True, text=True, timeout=120)
+    done = subprocess.run([TRUEAXIS] + words + [path], check=True, capture_output=True, text=True, timeout=120 * rig.PATIENCE)
     return list(csv.DictReader(done.stdout.splitlines()))
 
 
