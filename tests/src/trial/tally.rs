@@ -19,6 +19,10 @@ pub struct Row {
     pub worse: usize,
     /// Plants on which either is more than twice as large.
     pub doubled: usize,
+    /// Plants that vibrate at the end of the run as they do not by themselves.
+    pub unstable: usize,
+    /// Plants with more motion at the frequency of their chatter.
+    pub chatter: usize,
     /// Plants on which the watch led the feedback out.
     pub led_out: usize,
     /// Largest ratio of the errors, and the plant's number.
@@ -45,8 +49,6 @@ impl Tally {
             Tally { group: name.to_owned(), rows }
         };
         let stated = |case: &Case| case.plant.stated;
-        let lowest =
-            |case: &Case| case.plant.drives.map(|drive| drive.resonance_hz).into_iter().fold(f64::MAX, f64::min);
         // What lag asks of an axis, against its limit of 50 µm.
         let lag_um = |case: &Case| {
             let s = stated(case);
@@ -60,17 +62,80 @@ impl Tally {
             group("lag above 50 µm", &|case| lag_um(case) >= 50.0),
             group("lag below 50 µm, circles", &|case| lag_um(case) < 50.0 && case.shape == Shape::Circle),
             group("lag below 50 µm, lines", &|case| lag_um(case) < 50.0 && case.shape == Shape::Line),
-            group("resonance below 60 Hz", &|case| lowest(case) < 60.0),
-            group("resonance 60 to 120 Hz", &|case| (60.0..120.0).contains(&lowest(case))),
-            group("resonance above 120 Hz", &|case| lowest(case) >= 120.0),
+            group("resonance below 60 Hz", &|case| RESONANCES[0].1(case)),
+            group("resonance 60 to 120 Hz", &|case| RESONANCES[1].1(case)),
+            group("resonance above 120 Hz", &|case| RESONANCES[2].1(case)),
             group("scale on the motor", &|case| stated(case).scale_at == ScaleAt::Motor),
             group("scale on the load", &|case| stated(case).scale_at == ScaleAt::Load),
             group("dead time below a cycle", &|case| stated(case).dead_time_s < case.plant.period_s),
             group("dead time above a cycle", &|case| stated(case).dead_time_s >= case.plant.period_s),
-            group("feed below 1.5 m/min", &|case| case.feed_mm_per_s < 25.0),
-            group("feed 1.5 to 6 m/min", &|case| (25.0..100.0).contains(&case.feed_mm_per_s)),
-            group("feed above 6 m/min", &|case| case.feed_mm_per_s >= 100.0),
+            group("feed below 1.5 m/min", &|case| FEEDS[0].1(case)),
+            group("feed 1.5 to 6 m/min", &|case| FEEDS[1].1(case)),
+            group("feed above 6 m/min", &|case| FEEDS[2].1(case)),
+            group("neither side load nor chatter", &|case| !case.cut.is_loaded() && !case.cut.chatters()),
+            group("side load", &|case| case.cut.is_loaded()),
+            group("chatter", &|case| case.cut.chatters()),
         ]
+    }
+}
+
+/// A band of the family: name and member.
+type Band = (&'static str, fn(&Case) -> bool);
+
+/// Bands of the lower resonance.
+const RESONANCES: [Band; 3] = [
+    ("below 60 Hz", |case| lowest_hz(case) < 60.0),
+    ("60 to 120 Hz", |case| (60.0..120.0).contains(&lowest_hz(case))),
+    ("above 120 Hz", |case| lowest_hz(case) >= 120.0),
+];
+
+/// Bands of the feed.
+const FEEDS: [Band; 3] = [
+    ("below 1.5 m/min", |case| case.feed_mm_per_s < 25.0),
+    ("1.5 to 6 m/min", |case| (25.0..100.0).contains(&case.feed_mm_per_s)),
+    ("above 6 m/min", |case| case.feed_mm_per_s >= 100.0),
+];
+
+fn lowest_hz(case: &Case) -> f64 {
+    case.plant.drives.map(|drive| drive.resonance_hz).into_iter().fold(f64::MAX, f64::min)
+}
+
+/// Median improvement with everything on, in bands of resonance and feed.
+#[derive(Clone, Debug, Serialize)]
+pub struct Bands {
+    /// For each band of the resonance and of the feed: plants, and median improvement of p99.9 and of RMS.
+    pub cells: [[(usize, [f64; 2]); FEEDS.len()]; RESONANCES.len()],
+}
+
+impl Bands {
+    /// Plants without chatter, which no servo loop can take away.
+    pub fn of(cases: &[Case]) -> Bands {
+        Bands {
+            cells: RESONANCES.map(|(_, resonance)| {
+                FEEDS.map(|(_, feed)| {
+                    let members: Vec<&Case> =
+                        cases.iter().filter(|c| resonance(c) && feed(c) && !c.cut.chatters()).collect();
+                    let [p999, rms] = row(PARTS[0].0, 0, &members).median;
+                    (members.len(), [1.0 - p999, 1.0 - rms])
+                })
+            }),
+        }
+    }
+}
+
+impl fmt::Display for Bands {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let feeds = FEEDS.map(|(name, _)| format!("feed {name}"));
+        writeln!(f, "Median improvement of p99.9; RMS with everything on, plants without chatter:\n")?;
+        writeln!(f, "| resonance | {} |\n|---|{}", feeds.join(" | "), "---|".repeat(FEEDS.len()))?;
+        for ((name, _), cells) in RESONANCES.iter().zip(&self.cells) {
+            let cells = cells.map(|(plants, medians)| {
+                let [p999, rms] = medians.map(|share| format!("{:.0} %", 100.0 * share));
+                format!("{p999}; {rms} ({plants})")
+            });
+            writeln!(f, "| {name} | {} |", cells.join(" | "))?;
+        }
+        Ok(())
     }
 }
 
@@ -84,6 +149,8 @@ fn row(parts: &'static str, i: usize, cases: &[&Case]) -> Row {
         plants: cases.len(),
         worse: above(WORSE),
         doubled: above(2.0),
+        unstable: cases.iter().filter(|case| case.with[i].is_unstable(&case.off)).count(),
+        chatter: cases.iter().filter(|case| case.with[i].chatters_above(&case.off)).count(),
         led_out: cases.iter().filter(|case| case.with[i].led_out).count(),
         largest: ratios().fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a }),
         median: [median(p999.collect()), median(rms.collect())],
@@ -104,15 +171,15 @@ impl fmt::Display for Tally {
         writeln!(f, "{}: {plants} plants", self.group)?;
         writeln!(
             f,
-            "  {:<14}{:>8}{:>10}{:>9}{:>10}{:>9}  {:>13}{:>8}",
-            "parts", "worse", "over 2x", "led out", "largest", "plant", "median p99.9", "RMS"
+            "  {:<14}{:>8}{:>10}{:>10}{:>9}{:>9}{:>10}{:>9}  {:>13}{:>8}",
+            "parts", "worse", "over 2x", "unstable", "chatter", "led out", "largest", "plant", "median p99.9", "RMS"
         )?;
         for row in &self.rows {
             let (largest, number) = row.largest;
             writeln!(
                 f,
-                "  {:<14}{:>8}{:>10}{:>9}{largest:>10.2}{number:>9}  {:>13.3}{:>8.3}",
-                row.parts, row.worse, row.doubled, row.led_out, row.median[0], row.median[1]
+                "  {:<14}{:>8}{:>10}{:>10}{:>9}{:>9}{largest:>10.2}{number:>9}  {:>13.3}{:>8.3}",
+                row.parts, row.worse, row.doubled, row.unstable, row.chatter, row.led_out, row.median[0], row.median[1]
             )?;
         }
         Ok(())
