@@ -15,12 +15,11 @@ Example:
   trueaxis predict-servo short-tour compensation-tables/mill-3axis --rate-hz 1000";
 
 pub(crate) const HELP: &str = "\
-The drives of a machine are never exactly what its machine.toml states. The bound is the largest contour error that a \
-program may have, with the corrections as the machine.toml configures them, on any plant of a family about its figures \
-in [axis.X.drive] and [axis.X.friction]: every axis has drives of its own, and every figure varies by itself. Geometry \
-is as the tables state it.
+The drives of a machine are never exactly what its machine.toml states. The bound is a contour error that the program \
+does not exceed, with the corrections as the machine.toml configures them, on plants of a family about its figures in \
+[axis.X.drive] and [axis.X.friction]: every figure of every axis varies by itself. Geometry is as the tables state it.
 
-For the bound some 40 to 120 plants are simulated: the figures as stated, one figure at a time at either end, and those \
+For the bound some 30 to 140 plants are simulated: the figures as stated, one figure at a time at either end, and those \
 that are the worst of 4,000 drawn plants if the effects add up. The bound of a line is 1.15 times its worst error. It \
 is not a proof for every plant: it is made to be above the worst of 1,000 plants drawn evenly from the family, and at \
 most 1.5 times that. --plants draws some, and shows the worst beside the bound.
@@ -42,20 +41,20 @@ pub(crate) struct PredictServoArgs {
     /// Servo rate, Hz.
     #[arg(long, value_name = "HZ", default_value_t = 10_000.0)]
     rate_hz: f64,
-    #[command(flatten)]
-    family: FamilyArgs,
-    /// Also simulate this many plants drawn from the family, up to 100000, and show the worst of them.
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100_000), help_heading = "Drawn plants")]
-    plants: u32,
-    /// Seed of the plants drawn; the same seed draws the same plants.
-    #[arg(long, value_name = "SEED", default_value_t = 1, help_heading = "Drawn plants")]
-    seed: u64,
     /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
     /// Write a page with a plot: a folder (predict-servo.html) or a file that ends in .html.
     #[arg(long, value_name = "DIR|FILE")]
     report: Option<PathBuf>,
+    /// Also simulate this many plants drawn from the family, up to 100000, and show the worst of them.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=100_000), help_heading = "Drawn plants")]
+    plants: u32,
+    /// Seed of the plants drawn; the same seed draws the same plants.
+    #[arg(long, value_name = "SEED", default_value_t = 1, help_heading = "Drawn plants")]
+    seed: u64,
+    #[command(flatten)]
+    family: FamilyArgs,
 }
 
 #[derive(Args)]

@@ -17,7 +17,7 @@ pub use cut::Cut;
 pub use error::Size;
 pub use plant::Plant;
 pub use run::{Outcome, Shape};
-pub use tally::{Bands, Row, Tally};
+pub use tally::{Bands, Improvement, Row, Tally};
 
 /// Combinations of parts that are compared with no part: name and parts.
 pub const PARTS: [(&str, Dynamics); 6] = [

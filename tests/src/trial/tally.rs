@@ -100,40 +100,76 @@ fn lowest_hz(case: &Case) -> f64 {
     case.plant.drives.map(|drive| drive.resonance_hz).into_iter().fold(f64::MAX, f64::min)
 }
 
-/// Median improvement with everything on, in bands of resonance and feed.
+/// Improvement with everything on in bands of resonance and feed: plants without chatter, which no servo loop takes away.
 #[derive(Clone, Debug, Serialize)]
 pub struct Bands {
-    /// For each band of the resonance and of the feed: plants, and median improvement of p99.9 and of RMS.
-    pub cells: [[(usize, [f64; 2]); FEEDS.len()]; RESONANCES.len()],
+    /// All bands together.
+    pub all: Improvement,
+    /// For each band of the resonance and of the feed.
+    pub cells: [[Improvement; FEEDS.len()]; RESONANCES.len()],
+}
+
+/// Improvement of a group of plants.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Improvement {
+    /// Plants.
+    pub plants: usize,
+    /// Median improvement of p99.9 and of RMS, share of the error without any part.
+    pub median: [f64; 2],
+    /// Plants whose RMS is less than half.
+    pub halved: usize,
 }
 
 impl Bands {
-    /// Plants without chatter, which no servo loop can take away.
+    /// The bands of a trial.
     pub fn of(cases: &[Case]) -> Bands {
-        Bands {
-            cells: RESONANCES.map(|(_, resonance)| {
-                FEEDS.map(|(_, feed)| {
-                    let members: Vec<&Case> =
-                        cases.iter().filter(|c| resonance(c) && feed(c) && !c.cut.chatters()).collect();
-                    let [p999, rms] = row(PARTS[0].0, 0, &members).median;
-                    (members.len(), [1.0 - p999, 1.0 - rms])
-                })
-            }),
+        let quiet = |member: &dyn Fn(&Case) -> bool| {
+            Improvement::of(&cases.iter().filter(|case| !case.cut.chatters() && member(case)).collect::<Vec<_>>())
+        };
+        let cells =
+            RESONANCES.map(|(_, resonance)| FEEDS.map(|(_, feed)| quiet(&|case| resonance(case) && feed(case))));
+        Bands { all: quiet(&|_| true), cells }
+    }
+}
+
+impl Improvement {
+    fn of(cases: &[&Case]) -> Improvement {
+        let halved = |case: &&&Case| case.with[0].error_um.rms < 0.5 * case.off.error_um.rms;
+        let median = row(PARTS[0].0, 0, cases).median.map(|ratio| 1.0 - ratio);
+        Improvement { plants: cases.len(), median, halved: cases.iter().filter(halved).count() }
+    }
+}
+
+impl fmt::Display for Improvement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.plants == 0 {
+            return f.write_str("–");
         }
+        // Adding 0 turns −0 into 0.
+        let [p999, rms] = self.median.map(|share| (100.0 * share).round() + 0.0);
+        write!(f, "{p999} %; {rms} %; {} of {}", self.halved, self.plants)
     }
 }
 
 impl fmt::Display for Bands {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = "median of p99.9; median of RMS; plants whose RMS is less than half";
+        writeln!(f, "Improvement with everything on, plants without chatter ({what}): {}", self.all)?;
+        let bands = || {
+            RESONANCES.iter().zip(&self.cells).flat_map(|(resonance, cells)| {
+                FEEDS.iter().zip(cells).map(move |(feed, cell)| (resonance.0, feed.0, cell))
+            })
+        };
+        let above: Vec<String> = bands()
+            .filter(|(.., cell)| cell.median.into_iter().any(|share| share > 0.5))
+            .map(|(resonance, feed, _)| format!("resonance {resonance}, feed {feed}"))
+            .collect();
+        let above = if above.is_empty() { "nowhere".to_owned() } else { above.join("; ") };
+        writeln!(f, "Median improvement of p99.9 or RMS above 50 %: {above}\n")?;
         let feeds = FEEDS.map(|(name, _)| format!("feed {name}"));
-        writeln!(f, "Median improvement of p99.9; RMS with everything on, plants without chatter:\n")?;
         writeln!(f, "| resonance | {} |\n|---|{}", feeds.join(" | "), "---|".repeat(FEEDS.len()))?;
         for ((name, _), cells) in RESONANCES.iter().zip(&self.cells) {
-            let cells = cells.map(|(plants, medians)| {
-                let [p999, rms] = medians.map(|share| format!("{:.0} %", 100.0 * share));
-                format!("{p999}; {rms} ({plants})")
-            });
-            writeln!(f, "| {name} | {} |", cells.join(" | "))?;
+            writeln!(f, "| {name} | {} |", cells.map(|cell| cell.to_string()).join(" | "))?;
         }
         Ok(())
     }
