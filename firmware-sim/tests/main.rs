@@ -21,6 +21,7 @@ mod posts;
 mod replay;
 mod report;
 mod rtcp;
+mod servo_bound;
 mod settings;
 mod soak;
 #[cfg(target_os = "linux")]

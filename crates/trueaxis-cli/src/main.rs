@@ -23,6 +23,7 @@ mod machine_folder;
 mod model;
 mod numbers;
 mod output;
+mod predict_servo;
 mod probe_angles;
 mod probes;
 mod report;
@@ -132,6 +133,9 @@ enum Command {
     /// Identify the friction of two axes, and their drives' figures, from recorded circles.
     #[command(before_help = friction::EXAMPLE, after_help = friction::HELP)]
     Friction(friction::FrictionArgs),
+    /// Bound the contour error that the servo may leave along a program where the drives' figures are not known exactly.
+    #[command(before_help = predict_servo::EXAMPLE, after_help = predict_servo::HELP)]
+    PredictServo(predict_servo::PredictServoArgs),
     /// Learn a correction over path length for the next part of a program from the contour error of the last one.
     #[command(before_help = learn::EXAMPLE, after_help = learn::HELP)]
     Learn(learn::LearnArgs),
@@ -172,6 +176,7 @@ fn main() -> ExitCode {
         Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Friction(arguments) => friction::run(&arguments),
+        Command::PredictServo(arguments) => predict_servo::run(&arguments),
         Command::Learn(arguments) => learn::run(&arguments),
         Command::Thermal(command) => thermal::run(command),
         Command::Uncertainty(arguments) => uncertainty::run(&arguments),

@@ -1,6 +1,8 @@
 //! A trial of the dynamic correction on a family of plants that it does not know: two masses with a resonance, friction on the
-//! load and play, their drives sound by themselves.
+//! load, play and a cut, their drives sound by themselves.
 
+mod cut;
+mod error;
 mod plant;
 mod run;
 mod tally;
@@ -11,9 +13,11 @@ use std::sync::{Mutex, PoisonError};
 use trueaxis::Dynamics;
 use trueaxis_testing::noise::Noise;
 
+pub use cut::Cut;
+pub use error::Size;
 pub use plant::Plant;
-pub use run::{Outcome, Shape, Size};
-pub use tally::{Row, Tally};
+pub use run::{Outcome, Shape};
+pub use tally::{Bands, Improvement, Row, Tally};
 
 /// Combinations of parts that are compared with no part: name and parts.
 pub const PARTS: [(&str, Dynamics); 6] = [
@@ -36,6 +40,8 @@ pub struct Case {
     pub shape: Shape,
     /// Feed, mm/s.
     pub feed_mm_per_s: f64,
+    /// Side load and chatter.
+    pub cut: Cut,
     /// Gains of the feedback, proportional and integral (1/s): the largest up to 0.3 and 10 that are accepted.
     pub gains: Option<[f64; 2]>,
     /// Without any part.
@@ -45,22 +51,26 @@ pub struct Case {
 }
 
 impl Case {
-    /// Draws the plant of a number and runs it; adds to `refused` the unsound ones on the way.
-    pub fn run(seed: u64, number: usize, refused: &mut usize) -> Case {
+    /// Draws the plant of a number and runs it, without side load and chatter if `quiet`; adds to `refused` the unsound ones on
+    /// the way.
+    pub fn run(seed: u64, number: usize, quiet: bool, refused: &mut usize) -> Case {
         let mut random = Noise::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64));
         let plant = Plant::draw(&mut random, refused);
         let shape = [Shape::Circle, Shape::Line][number % 2];
         // 0.3 to 12 m/min.
         let feed_mm_per_s = 5.0 * 40.0_f64.powf(random.unit());
-        run::run(number, plant, shape, feed_mm_per_s)
+        // Drawn last: without it a number is the plant that it was before there was a cut.
+        let cut = Cut::draw(&mut random);
+        run::run(number, plant, shape, feed_mm_per_s, if quiet { cut.quiet() } else { cut })
     }
 }
 
-/// Runs `plants` plants on `jobs` threads until `stop` is set; `progress` is called after each. Returns the cases in order of
+/// Runs `plants` plants on `jobs` threads, without side load and chatter if `quiet`, until `stop` is set; `progress` is called after each. Returns the cases in order of
 /// their numbers, and how many drawn plants were not sound by themselves.
 pub fn trial(
     seed: u64,
     plants: usize,
+    quiet: bool,
     jobs: usize,
     stop: &AtomicBool,
     progress: impl Fn() + Sync,
@@ -74,7 +84,7 @@ pub fn trial(
                 return;
             }
             let mut refused = 0;
-            let case = Case::run(seed, number, &mut refused);
+            let case = Case::run(seed, number, quiet, &mut refused);
             let mut results = results.lock().unwrap_or_else(PoisonError::into_inner);
             results.0.push(case);
             results.1 += refused;

@@ -1,6 +1,7 @@
 //! One plant on its track, with and without the parts.
 
-use super::{Case, PARTS, Plant};
+use super::error::{Size, amplitude, late_vibration};
+use super::{Case, Cut, PARTS, Plant};
 use crate::course::Course;
 use serde::Serialize;
 use trueaxis::contour::Method;
@@ -8,7 +9,7 @@ use trueaxis::machine::{DynamicSettings, FeedbackSettings, MachineSettings};
 use trueaxis::telemetry::Status;
 use trueaxis::{Config, Dynamics, HostServo, Row};
 use trueaxis_sim::Settings;
-use trueaxis_sim::plant::drive::Drive;
+use trueaxis_sim::plant::drive::{Drive, ScaleAt};
 use trueaxis_testing::machine::Machine;
 
 /// Start of every run that does not count, s.
@@ -25,20 +26,15 @@ pub enum Shape {
     Line,
 }
 
-/// Contour error of the load, µm.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Size {
-    /// Exceeded in one cycle of a thousand.
-    pub p999: f64,
-    /// Root of the mean square.
-    pub rms: f64,
-}
-
 /// Result of a run.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Outcome {
     /// Contour error after the first 100 ms.
     pub error_um: Size,
+    /// Vibration of the contour error at the end of the run, RMS, µm.
+    pub vibration_um: f64,
+    /// Amplitude of the loads' motion at the frequency of the chatter, µm; 0 without chatter.
+    pub chatter_um: f64,
     /// Whether the watch led the feedback out.
     pub led_out: bool,
 }
@@ -49,16 +45,26 @@ impl Outcome {
         let (own, other) = (self.error_um, other.error_um);
         (own.p999 / other.p999).max(own.rms / other.rms)
     }
+
+    /// Whether the run vibrates at its end by more than three times what another does, and by a micrometre more.
+    pub fn is_unstable(&self, other: &Outcome) -> bool {
+        self.vibration_um > 3.0 * other.vibration_um && self.vibration_um > other.vibration_um + 1.0
+    }
+
+    /// Whether the loads move more at the frequency of the chatter than in another run: by 5 % and 0.1 µm.
+    pub fn chatters_above(&self, other: &Outcome) -> bool {
+        self.chatter_um > 1.05 * other.chatter_um && self.chatter_um > other.chatter_um + 0.1
+    }
 }
 
 /// Runs a plant on a track without and with every combination of parts.
-pub(super) fn run(number: usize, plant: Plant, shape: Shape, feed_mm_per_s: f64) -> Case {
+pub(super) fn run(number: usize, plant: Plant, shape: Shape, feed_mm_per_s: f64, cut: Cut) -> Case {
     let (machine, gains) = accepted(&plant);
     let track = Track::new(shape, feed_mm_per_s, plant.period_s, &machine);
     let servo = servo(&machine, plant.period_s).expect("an accepted machine");
-    let with = PARTS.map(|(_, parts)| follow(&plant, &track, &servo, parts));
-    let off = follow(&plant, &track, &servo, Dynamics::NONE);
-    Case { number, plant, shape, feed_mm_per_s, gains, off, with }
+    let with = PARTS.map(|(_, parts)| follow(&plant, &track, &cut, &servo, parts));
+    let off = follow(&plant, &track, &cut, &servo, Dynamics::NONE);
+    Case { number, plant, shape, feed_mm_per_s, cut, gains, off, with }
 }
 
 /// The machine as configured, with the largest gains up to [`GAINS`] that are accepted.
@@ -130,46 +136,53 @@ impl Track {
         Track { shape, radius_mm, course: Course::new(&program, settings, machine) }
     }
 
-    /// Distance of a point from the shape, mm.
+    /// Distance of a point from the shape, mm; negative within the circle and right of the line.
     fn error(&self, [x, y]: [f64; 2]) -> f64 {
         match self.shape {
-            Shape::Circle => (x.hypot(y) - self.radius_mm).abs(),
-            Shape::Line => (LINE[0] * y - LINE[1] * x).abs() / LINE[0].hypot(LINE[1]),
+            Shape::Circle => x.hypot(y) - self.radius_mm,
+            Shape::Line => (LINE[0] * y - LINE[1] * x) / LINE[0].hypot(LINE[1]),
         }
     }
 }
 
 /// Follows the track with some parts of the correction.
-fn follow(plant: &Plant, track: &Track, servo: &HostServo<'static, 3>, parts: Dynamics) -> Outcome {
+fn follow(plant: &Plant, track: &Track, cut: &Cut, servo: &HostServo<'static, 3>, parts: Dynamics) -> Outcome {
     let commands = &track.course.commands;
     let first = commands.iter().position(|command| command.cutting).unwrap_or(0);
     let settling = (SETTLING_S / plant.period_s) as usize;
+    let duration_s = (commands.len() - first) as f64 * plant.period_s;
     let mut drives = plant.drives.map(|drive| Drive::new(drive, plant.period_s));
     for (drive, at) in drives.iter_mut().zip(commands[first].at) {
         drive.rest_at(at);
     }
     let mut state = servo.start();
     let path = track.course.path();
-    let (mut errors, mut led_out) = (Vec::new(), false);
+    let (mut errors, mut off_command, mut led_out) = (Vec::new(), [Vec::new(), Vec::new()], false);
+    let mut shaken = [0.0; 2];
     for (cycle, command) in commands[first..].iter().enumerate() {
-        let readings = [drives[0].position(), drives[1].position()];
+        let time_s = cycle as f64 * plant.period_s;
+        let load = cut.load_at(time_s, duration_s);
+        let readings = [0, 1].map(|i| match plant.drives[i].scale_at {
+            ScaleAt::Motor => drives[i].position(),
+            ScaleAt::Load => drives[i].position() + shaken[i],
+        });
         let mut input = servo.input(command.at, [readings[0], readings[1], command.at[2]]);
         input.dynamics = parts;
         let output = servo.step(&mut state, &input, path.on(command.reference), ());
         led_out |= output.record.status.has(Status::FEEDBACK_OUT);
         for (i, drive) in drives.iter_mut().enumerate() {
+            drive.push(load[i]);
             drive.cycle(output.drive[i], readings[i], 1.0);
         }
+        shaken = cut.chatter_at(time_s);
         if cycle >= settling {
-            errors.push(1e3 * track.error([drives[0].load_position(), drives[1].load_position()]));
+            let loads = [0, 1].map(|i| drives[i].load_position() + shaken[i]);
+            errors.push(1e3 * track.error(loads));
+            off_command.iter_mut().enumerate().for_each(|(i, off)| off.push(1e3 * (loads[i] - command.at[i])));
         }
     }
-    Outcome { error_um: size(errors), led_out }
-}
-
-fn size(mut errors: Vec<f64>) -> Size {
-    let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
-    let at = errors.len() - 1 - errors.len() / 1000;
-    let p999 = *errors.select_nth_unstable_by(at, f64::total_cmp).1;
-    Size { p999, rms }
+    let at_chatter = |off: &Vec<f64>| amplitude(off, plant.period_s, cut.chatter_hz);
+    let chatter_um = if cut.chatters() { at_chatter(&off_command[0]).hypot(at_chatter(&off_command[1])) } else { 0.0 };
+    let vibration_um = late_vibration(&errors, plant.period_s);
+    Outcome { error_um: Size::of(&errors), vibration_um, chatter_um, led_out }
 }

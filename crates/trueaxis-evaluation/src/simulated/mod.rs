@@ -1,5 +1,5 @@
-//! Simulated machines (feature `simulation`), and the loops of [`calibrate`](crate::calibrate) and [`keep`](crate::keep) on
-//! them (feature `simulated`): what a task is worth before it is set up on a machine.
+//! Simulated machines (feature `simulation`); the loops of [`calibrate`](crate::calibrate) and [`keep`](crate::keep) on them,
+//! what a task is worth before it is set up on a machine, and a bound of what the servo leaves (feature `simulated`).
 //!
 //! The true machines, their probing and their drift come from `trueaxis_sim`, which knows nothing of the evaluation.
 
@@ -8,3 +8,5 @@ pub mod calibration;
 pub mod friction;
 #[cfg(feature = "simulated")]
 pub mod keeping;
+#[cfg(feature = "simulated")]
+pub mod servo;

@@ -23,7 +23,7 @@ use drive::{Disagreement, Drive, DriveSettings};
 use encoder::{Encoder, EncoderSettings};
 use fault::{Fault, FaultKind, FaultScript};
 
-pub use agreed::agreed;
+pub use agreed::{agreed, stated};
 pub use lost_motion::LostMotion;
 
 use thiserror::Error;

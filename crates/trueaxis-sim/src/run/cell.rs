@@ -1,5 +1,6 @@
 //! Plugin and machine of one run.
 
+use super::Driven;
 use super::commanded::Commanded;
 use super::kind::Kind;
 use super::plugin::About;
@@ -74,7 +75,7 @@ where
 {
     pub(super) fn new(
         scenario: &Scenario,
-        kind: Kind,
+        (kind, drives): Driven,
         servo: &ServoLoop<'_, f64, f64, N>,
         about: &About<N>,
     ) -> Result<Self> {
@@ -82,6 +83,7 @@ where
         let axes = slots.axes();
         let perfect = kind == Kind::ServoOnly;
         let mut settings = scenario.settings.plant(scenario.kelvin);
+        settings.drives = drives.unwrap_or(settings.drives);
         if perfect {
             settings.faults = FaultScript::default();
         }

@@ -1,5 +1,6 @@
 //! The machines of a run side by side, for one number of axes.
 
+use super::Driven;
 use super::cell::{Cell, Shared};
 use super::commanded::{Commanded, Commander};
 use super::kind::Kind;
@@ -57,11 +58,16 @@ impl<S: Owned<N> + 'static, const N: usize> Lanes<S, N>
 where
     Axes: Compiled<N>,
 {
-    pub(super) fn boxed(scenario: Arc<Scenario>, motion: Motion, kinds: &[Kind]) -> Result<Box<dyn Advance + Send>> {
-        let plugin = Plugin::<S, N>::of(&scenario, kinds)?;
-        let with_servo = kinds.iter().filter_map(|kind| Some((kind, plugin.servo(*kind)?)));
+    pub(super) fn boxed(
+        scenario: Arc<Scenario>,
+        motion: Motion,
+        machines: &[Driven],
+    ) -> Result<Box<dyn Advance + Send>> {
+        let kinds: Vec<Kind> = machines.iter().map(|(kind, _)| *kind).collect();
+        let plugin = Plugin::<S, N>::of(&scenario, &kinds)?;
+        let with_servo = machines.iter().filter_map(|machine| Some((machine, plugin.servo(machine.0)?)));
         let cells = with_servo
-            .map(|(kind, servo)| Cell::new(&scenario, *kind, servo.servo(), plugin.about()))
+            .map(|(machine, servo)| Cell::new(&scenario, *machine, servo.servo(), plugin.about()))
             .collect::<Result<_>>()?;
         let mut lanes = Lanes {
             commander: Commander::new(&scenario, motion),
@@ -71,7 +77,7 @@ where
             cells,
             settled: false,
             block: Vec::with_capacity(BLOCK),
-            samples: kinds.iter().map(|_| Vec::with_capacity(BLOCK)).collect(),
+            samples: machines.iter().map(|_| Vec::with_capacity(BLOCK)).collect(),
             scenario: Arc::clone(&scenario),
         };
         for event in &scenario.settings.events.items {

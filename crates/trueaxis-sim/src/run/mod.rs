@@ -15,12 +15,17 @@ mod tally;
 
 use crate::error::Result;
 use crate::event::Act;
+use crate::plant::drive::DriveSettings;
 use crate::scenario::Scenario;
 use crate::{path, servo};
 use lanes::{Advance, Lanes};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use trueaxis::machine::AXES;
 use trueaxis_tables::Machine;
+
+/// A machine of a run: how it is driven, and the drives in the order X Y Z A B C if they are not those of the settings.
+type Driven = (Kind, Option<[DriveSettings; AXES]>);
 
 pub use columns::{Column, columns};
 pub use document::{RunDocument, notes};
@@ -53,14 +58,30 @@ impl Run {
     /// The motion cannot be planned, a move is not a valid path, the machine's tables do not build, a fault names an axis that
     /// the machine does not have, or an event names an unknown machine or the tables of another one.
     pub fn of(scenario: impl Into<Arc<Scenario>>, kinds: &[Kind]) -> Result<Run> {
-        let scenario = scenario.into();
+        Run::driven(scenario.into(), &kinds.iter().map(|kind| (*kind, None)).collect::<Vec<_>>())
+    }
+
+    /// Sets up the scenario on machines of one kind that differ in their drives, side by side: each entry, in the order
+    /// X Y Z A B C, takes the place of the settings' drives on a machine of its own.
+    ///
+    /// # Errors
+    /// As [`Run::of`], and for drives whose figures do not agree with each other.
+    pub fn with_drives(
+        scenario: impl Into<Arc<Scenario>>,
+        kind: Kind,
+        drives: &[[DriveSettings; AXES]],
+    ) -> Result<Run> {
+        Run::driven(scenario.into(), &drives.iter().map(|drives| (kind, Some(*drives))).collect::<Vec<_>>())
+    }
+
+    fn driven(scenario: Arc<Scenario>, machines: &[Driven]) -> Result<Run> {
         let motion = scenario.motion()?;
         path::check(&scenario)?;
         Ok(Run(match scenario.machine.settings.step_axes().count() {
-            3 => Lanes::<servo::three::Cell, 3>::boxed(scenario, motion, kinds)?,
-            4 => Lanes::<servo::four::Cell, 4>::boxed(scenario, motion, kinds)?,
-            5 => Lanes::<servo::five::Cell, 5>::boxed(scenario, motion, kinds)?,
-            _ => Lanes::<servo::six::Cell, 6>::boxed(scenario, motion, kinds)?,
+            3 => Lanes::<servo::three::Cell, 3>::boxed(scenario, motion, machines)?,
+            4 => Lanes::<servo::four::Cell, 4>::boxed(scenario, motion, machines)?,
+            5 => Lanes::<servo::five::Cell, 5>::boxed(scenario, motion, machines)?,
+            _ => Lanes::<servo::six::Cell, 6>::boxed(scenario, motion, machines)?,
         }))
     }
 

@@ -298,3 +298,18 @@ fn absurd_commands_leave_two_masses_finite() {
         }
     }
 }
+
+/// Without friction a force on the load deflects the spring while the motor stays where it is commanded.
+#[test]
+fn a_side_load_deflects_the_spring() {
+    let settings = DriveSettings { resonance_hz: 60.0, viscous_per_s: 0.0, ..linear(Variant::Soft.settings()) };
+    let mut drive = Drive::new(settings, 1e-3);
+    let omega = TAU * settings.resonance_hz;
+    let stiffness = settings.load_share * (1.0 - settings.load_share) * omega * omega;
+    for side_load in [300.0, -150.0, 0.0] {
+        drive.push(side_load);
+        (0..4000).for_each(|_| drive.cycle(1.0, drive.position(), 1.0));
+        let (motor, load) = (drive.position() - 1.0, drive.load_position() - 1.0);
+        assert!(motor.abs() < 1e-9 && (load - side_load / stiffness).abs() < 1e-9, "{side_load}: {motor} {load}");
+    }
+}

@@ -50,6 +50,8 @@ pub struct Drive {
     acceleration: f64,
     integral: f64,
     friction: Friction,
+    /// Force on the load, per moved mass.
+    side_load: f64,
 }
 
 impl Drive {
@@ -70,6 +72,7 @@ impl Drive {
             acceleration: 0.0,
             integral: 0.0,
             friction: Friction::default(),
+            side_load: 0.0,
         };
         drive.rest_at(0.0);
         drive
@@ -85,6 +88,11 @@ impl Drive {
         } else {
             Mechanics::Rigid { position, velocity: 0.0 }
         };
+    }
+
+    /// Pushes the load in positive direction from now on, mm/s² (deg/s²): a force per moved mass, such as a cutting force.
+    pub fn push(&mut self, side_load: f64) {
+        self.side_load = side_load;
     }
 
     /// Position on the encoder's side, mm (deg).
@@ -151,12 +159,12 @@ impl Drive {
         };
         match &mut self.mechanics {
             Mechanics::Rigid { position, velocity } => {
-                let drag = self.friction.drag(*velocity, dt, s);
+                let drag = self.friction.drag(*velocity, dt, s) - self.side_load;
                 *velocity += (force - drag) * dt;
                 *position += *velocity * dt;
             }
             Mechanics::TwoMasses(masses, step) => {
-                let drag = self.friction.drag(masses.load_velocity(s), dt, s);
+                let drag = self.friction.drag(masses.load_velocity(s), dt, s) - self.side_load;
                 let other = (dt != step.dt()).then(|| Step::new(dt, s));
                 masses.advance(force, drag, other.as_ref().unwrap_or(step), s);
             }
