@@ -54,7 +54,7 @@ fn a_wrong_sign_and_a_wrong_scale_are_found_on_every_drive() {
 #[test]
 fn shipped_programs_on_any_drive_show_no_wrong_ratio() {
     for variant in Variant::ALL {
-        for name in ["short-tour", "s-shape"] {
+        for name in ["short-tour", "butterfly"] {
             let mut settings = Settings { rate_hz: 1000.0, ..Settings::default() };
             settings.set("drive.variant", &format!("\"{}\"", variant.name())).unwrap();
             let program = Program::builtin(name).unwrap().unwrap();

@@ -178,7 +178,13 @@ impl fmt::Display for Fault {
         }
         write!(f, "@{}s+{}", self.at_s, self.cycles)?;
         let unit = match self.kind {
-            FaultKind::Glitch(axis, _) | FaultKind::JumpCommand(axis, _) => if axis.is_rotary() { "deg" } else { "mm" },
+            FaultKind::Glitch(axis, _) | FaultKind::JumpCommand(axis, _) => {
+                if axis.is_rotary() {
+                    "deg"
+                } else {
+                    "mm"
+                }
+            }
             _ => "",
         };
         value.map_or(Ok(()), |value| write!(f, "={value}{unit}"))

@@ -191,14 +191,14 @@ impl<R: Real> RatioLimits<R> {
         let low = least.min(ratio.low.add_product(self.decay, least - ratio.low));
         let high = most.max(ratio.high.add_product(self.decay, most - ratio.high));
         let forward = low + high >= R::ZERO;
-        let (near, far, now, shown) =
-            if forward { (low, high, most, shown) } else { (-high, -low, -least, -shown) };
+        let (near, far, now, shown) = if forward { (low, high, most, shown) } else { (-high, -low, -least, -shown) };
         let three_quarters = near - quarter * near - self.tolerance;
         let twice = far + quarter * far + self.tolerance;
         let behind = near.min(R::ZERO);
         let against = shown < behind + quarter * behind - self.tolerance;
         let is_less = shown < three_quarters;
-        if against || shown > twice || (is_less && shown > quarter * near) || self.stays_half(ratio, [far, now, shown]) {
+        if against || shown > twice || (is_less && shown > quarter * near) || self.stays_half(ratio, [far, now, shown])
+        {
             return true;
         }
         if !is_less && R::HALF * far < three_quarters && near + near > twice {

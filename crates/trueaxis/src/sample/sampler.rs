@@ -411,7 +411,13 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     /// The first fault of the command. Travel and jumps count only while the step is active: before homing, positions
     /// have no meaning.
     #[inline(always)]
-    fn command_fault(&self, state: &SampleState<R, P, N>, input: &Input<P, N>, active: bool, late: bool) -> (Fault, u8) {
+    fn command_fault(
+        &self,
+        state: &SampleState<R, P, N>,
+        input: &Input<P, N>,
+        active: bool,
+        late: bool,
+    ) -> (Fault, u8) {
         let check_jump = state.started && state.active;
         let mut place = 0;
         for ((axis, command), last) in self.axes.iter().zip(&input.command).zip(&state.command) {
@@ -448,7 +454,8 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         let mut worst = (Fault::None, 0);
         let mut place = 0u8;
         let active = input.homed && input.enable;
-        let memory = state.feedback.iter_mut().zip(&mut state.missing).zip(&mut state.suspicions).zip(&mut state.ratios);
+        let memory =
+            state.feedback.iter_mut().zip(&mut state.missing).zip(&mut state.suspicions).zip(&mut state.ratios);
         for (((axis, reading), command), (((good, missing), suspicion), ratio)) in
             self.axes.iter().zip(&input.feedback).zip(command).zip(memory)
         {

@@ -203,7 +203,8 @@ fn the_quick_check_agrees_with_the_full_check<R: Real, P: Position>(seed: u64) {
         passed_quickly += usize::from(calm);
         let mut trusted = [[[P::default(); 3]; 2]; 2];
         let [by_quick_check, by_full_check] = &mut trusted;
-        let seen = if calm { Sample::calm(&input) } else { sampler.full_check(&mut quick, &input, &sent, by_quick_check) };
+        let seen =
+            if calm { Sample::calm(&input) } else { sampler.full_check(&mut quick, &input, &sent, by_quick_check) };
         let expected = sampler.full_check(&mut thorough, &input, &sent, by_full_check);
         assert_eq!(format!("{seen:?}"), format!("{expected:?}"), "{cycle}: {input:?}");
         faults.insert(seen.fault as u8);

@@ -82,8 +82,9 @@ impl Driven {
 #[test]
 fn a_wrong_sign_and_a_wrong_scale_are_found_within_the_first_millimetre() {
     let drives = [(110.0, 0.93), (60.0, 0.9), (35.0, 0.9), (110.0, 1.0)];
-    for ((gain, feed_forward), (speed, acceleration)) in
-        drives.into_iter().flat_map(|drive| [(1.0, 1000.0), (25.0, 800.0), (25.0, 5000.0), (60.0, 5000.0)].map(|feed| (drive, feed)))
+    for ((gain, feed_forward), (speed, acceleration)) in drives
+        .into_iter()
+        .flat_map(|drive| [(1.0, 1000.0), (25.0, 800.0), (25.0, 5000.0), (60.0, 5000.0)].map(|feed| (drive, feed)))
     {
         for (scale, most) in [(-1.0, 0.4), (-0.5, 0.6), (0.5, 1.0), (2.0, 0.5), (4.0, 0.4)] {
             for (axis, direction) in [(0, 1.0), (1, -1.0), (2, 1.0)] {
@@ -98,7 +99,8 @@ fn a_wrong_sign_and_a_wrong_scale_are_found_within_the_first_millimetre() {
                     command[axis] += direction * moved;
                     let out = driven.cycle(command, |_| ());
                     let at = found;
-                    let case = || format!("{gain}/s {feed_forward}, {speed} mm/s, x{scale}, axis {axis}: {at:?} {moved}");
+                    let case =
+                        || format!("{gain}/s {feed_forward}, {speed} mm/s, x{scale}, axis {axis}: {at:?} {moved}");
                     if out.record.fault == Fault::FeedbackRatio {
                         assert_eq!(usize::from(out.record.fault_axis), axis, "{}", case());
                         assert!(out.record.status.has(Status::FROZEN) && !out.stop_requested(), "{}", case());
@@ -154,10 +156,14 @@ fn lag_play_reversals_rapid_starts_and_missing_encoders_are_no_wrong_ratio() {
         moves(&mut random, |x| {
             let mut command = [START; 3];
             command[axis] = x;
-            let repeat = |input: &mut Input<f64, 3>| input.feedback = if stepper { input.command } else { input.feedback };
+            let repeat =
+                |input: &mut Input<f64, 3>| input.feedback = if stepper { input.command } else { input.feedback };
             let fault = driven.cycle(command, repeat).record.fault;
             // A slow drive's reading may stand still for `faults.stuck`.
-            assert!(matches!(fault, Fault::None | Fault::EncoderStuck), "{round}: {gain}/s, {feed_forward}, {x}: {fault}");
+            assert!(
+                matches!(fault, Fault::None | Fault::EncoderStuck),
+                "{round}: {gain}/s, {feed_forward}, {x}: {fault}"
+            );
         });
     }
 }
