@@ -70,8 +70,8 @@ pub(crate) struct SettingsArgs {
 /// What happens during a run.
 #[derive(Args, Default)]
 pub(crate) struct ActArgs {
-    /// Inject a fault, e.g. dropout:X@1.25s+3, glitch:Y@0.5s+1=5mm, stuck:X@2s+500, late@3s+1=2.5, nan-command:X@2s+1,
-    /// jump-command:X@2s+1=3mm (may be given several times; time counts from the start of the program).
+    /// Inject a fault, e.g. dropout:X@1.25s+3, glitch:Y@0.5s+1=5mm, stuck:X@2s+500, scale:X@0s+5000=0.5, late@3s+1=2.5,
+    /// nan-command:X@2s+1, jump-command:X@2s+1=3mm (may be given several times; time counts from the start of the program).
     #[arg(long, value_name = "FAULT", help_heading = "Faults and events")]
     fault: Vec<String>,
     /// Switch the plugin or a part of it off or on, or exchange its tables in motion, e.g. off:correction@2.5s,

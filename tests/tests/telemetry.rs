@@ -48,6 +48,7 @@ fn frames_are_laid_out_as_documented() {
         Fault::EncoderStuck,
         Fault::EncoderAlarm,
         Fault::LateCycle,
+        Fault::FeedbackRatio,
         Fault::CommandNotFinite,
         Fault::CommandOutOfTravel,
         Fault::CommandJump,
@@ -57,7 +58,7 @@ fn frames_are_laid_out_as_documented() {
         Fault::BranchChange,
         Fault::PeriodMismatch,
     ];
-    let codes = [0, 1, 2, 3, 4, 5, 16, 17, 18, 19, 20, 21, 22, 32];
+    let codes = [0, 1, 2, 3, 4, 5, 6, 16, 17, 18, 19, 20, 21, 22, 32];
     for (fault, code) in faults.into_iter().zip(codes) {
         assert_eq!(fault as u8, code);
         let mut frame = longest(3, None);

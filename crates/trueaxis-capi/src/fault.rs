@@ -13,6 +13,8 @@ pub const FAULT_ENCODER_STUCK: u8 = 3;
 pub const FAULT_ENCODER_ALARM: u8 = 4;
 /// `elapsed_ns` differs from the period by more than a quarter, or too many cycles came early.
 pub const FAULT_LATE_CYCLE: u8 = 5;
+/// A reading moves against the command, or by about half or twice as much: sign or scale of the encoder are wrong.
+pub const FAULT_FEEDBACK_RATIO: u8 = 6;
 /// A command is not finite. With faults 16 to 31 the output holds and the step requests a stop.
 pub const FAULT_COMMAND_NOT_FINITE: u8 = 16;
 /// A command is outside the declared travel.

@@ -7,6 +7,7 @@ mod full;
 mod legs;
 mod motion;
 mod program;
+mod readings;
 mod run;
 mod settings;
 mod warming;

@@ -9,7 +9,7 @@ interface FaultKind {
   text: string;
   axis: boolean;
   /** Name and initial value of its parameter; the unit follows the axis. */
-  value?: { label: string; first: number; periods?: boolean };
+  value?: { label: string; first: number; plain?: boolean };
   cycles: number;
 }
 
@@ -17,7 +17,8 @@ const FAULTS: Record<string, FaultKind> = {
   dropout: { text: "reading missing", axis: true, cycles: 3 },
   glitch: { text: "reading off", axis: true, value: { label: "By", first: 5 }, cycles: 1 },
   stuck: { text: "reading stuck", axis: true, cycles: 500 },
-  late: { text: "cycle late", axis: false, value: { label: "Periods", first: 2.5, periods: true }, cycles: 1 },
+  scale: { text: "reading of wrong scale", axis: true, value: { label: "Times", first: -1, plain: true }, cycles: 20000 },
+  late: { text: "cycle late", axis: false, value: { label: "Periods", first: 2.5, plain: true }, cycles: 1 },
   "nan-command": { text: "command not a number", axis: true, cycles: 1 },
   "jump-command": { text: "command jumps", axis: true, value: { label: "By", first: 3 }, cycles: 1 },
 };
@@ -63,7 +64,7 @@ export class Acts {
     this.value = numberField({ label: "By", value: 5 }, () => {});
     const inject = button("Inject", () => {
       const { axis, value } = FAULTS[kind.value]!;
-      const amount = value ? `=${this.value.value}${value.periods ? "" : this.unit()}` : "";
+      const amount = value ? `=${this.value.value}${value.plain ? "" : this.unit()}` : "";
       this.host.act(`${kind.value}${axis ? `:${this.axis.value}` : ""}`, `+${cycles.value}${amount}`, this.at());
     });
     this.source = choice("Tables of", [["half", "this machine, all errors halved"], ["edited", "the machine view as it is now"]], "half", () => {});
@@ -128,7 +129,7 @@ export class Acts {
     this.axis.select.disabled = !axis;
     this.value.root.hidden = !value;
     if (value) {
-      this.value.root.querySelector("label")!.textContent = value.periods ? "Periods" : `${value.label} / ${this.unit()}`;
+      this.value.root.querySelector("label")!.textContent = value.plain ? value.label : `${value.label} / ${this.unit()}`;
       if (!keep) this.value.value = value.first;
     }
     if (!keep) cycles.value = count;

@@ -21,6 +21,9 @@ const MISMATCH = [
   { label: "Pre-sliding", keys: ["presliding_mm"], min: 20, max: 300 },
 ] as const;
 
+/** Tuned drives of the simulator by name. */
+const VARIANTS = ["stiff", "usual", "soft", "worn"] as const;
+
 interface Control {
   field: Field;
   /** Shows the settings. */
@@ -33,6 +36,7 @@ export class Controls {
   private readonly hint: HTMLElement;
   private readonly model;
   private readonly orientation;
+  private readonly variant;
   private readonly text: HTMLTextAreaElement;
   private readonly refused: HTMLElement;
   private files: Files | undefined;
@@ -56,13 +60,21 @@ export class Controls {
     );
     this.hint = el("small", { class: "wide" });
     const drives = group("Drive mismatch", ...MISMATCH.map((one) => this.percent(one)), this.hint);
+    this.variant = choice<string>("Drive", [["", "as the figures say"], ["common", "rigid (default)"], ...VARIANTS.map((name) => [name, name] as const)], "", (name) => void this.drive(name));
+    const mechanics = group(
+      "Mechanics of the drives",
+      this.variant.root,
+      plain("drive.resonance_hz", { label: "Resonance (0: none)", unit: "Hz", value: 0, min: 0, max: 400, step: 1 }),
+      plain("drive.resonance_damping", { label: "Its damping", unit: "%", value: 3, min: 0.5, max: 20, step: 0.5 }, 100),
+      plain("drive.gear_play_mm", { label: "Play", unit: "µm", value: 0, min: 0, max: 50, step: 1 }, 1e3),
+    );
     this.model = choice<Model>("Error model", [["machine", "as the machine file says"], ["nine", "nine-term"], ["volumetric", "volumetric"]], "machine", (value) => this.take({ model: value }));
     this.orientation = choice<Direction>("Tool direction corrected", [["machine", "as the machine file says"], ["on", "on"], ["off", "off"]], "machine", (value) => this.take({ orientation: value }));
     const seed = this.number("seed", { label: "Seed of the noise", value: 1, min: 0, step: 1 });
     this.text = el("textarea", { rows: 4, spellcheck: "false", id: "scope-settings", onchange: () => void this.typed() });
     this.refused = el("p", { class: "warning", role: "alert" });
     const all = el("details", { class: "wide" }, el("summary", {}, "Every setting"), el("label", { for: "scope-settings" }, "Settings that are not the default, as in a scenario file (TOML)"), this.text, this.refused);
-    this.root = el("div", { class: "setup" }, motion, drives, group("Model and noise", this.model.root, this.orientation.root, seed, all));
+    this.root = el("div", { class: "setup" }, motion, drives, mechanics, group("Model and noise", this.model.root, this.orientation.root, seed, all));
   }
 
   /** Reads the defaults once, and the machine's figures of its drives. */
@@ -92,6 +104,18 @@ export class Controls {
     this.changed();
   }
 
+  /** Replaces the figures of all drives by those of a variant. */
+  private async drive(name: string): Promise<void> {
+    if (name === "") return;
+    const text = name === "common" ? "" : `drive.variant = "${name}"`;
+    const read = JSON.parse(await this.bench.call("scope_settings", text, "settings")) as SettingsRead;
+    const others = Object.entries(this.setup.settings).filter(([key]) => !key.startsWith("drive."));
+    const settings = Object.fromEntries([...others, ...read.changes.map(({ key, value }) => [key, value])]);
+    this.set({ ...this.setup, settings });
+    this.variant.value = name;
+    this.changed();
+  }
+
   private take(part: Partial<Setup>): void {
     this.setup = { ...this.setup, ...part };
     this.changed();
@@ -99,6 +123,7 @@ export class Controls {
 
   private show(): void {
     for (const control of this.controls) control.show();
+    this.variant.value = "";
     this.model.value = this.setup.model;
     this.orientation.value = this.setup.orientation;
     this.text.value = toml({ ...this.setup, acts: [] });
@@ -122,6 +147,7 @@ export class Controls {
       else settings[key] = decimal(value);
     }
     this.setup.settings = settings;
+    this.variant.value = "";
     this.text.value = toml({ ...this.setup, acts: [] });
     this.soon();
   }

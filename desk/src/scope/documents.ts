@@ -61,6 +61,8 @@ export interface Figures {
   limited_cycles: number;
   stopped: boolean;
   digest: Partial<Record<Kind, string>>;
+  /** Remarks, such as parts that the watch withdrew. */
+  notes: string[];
 }
 
 export interface Recorded {

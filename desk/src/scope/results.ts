@@ -19,6 +19,7 @@ export function results(run: Result, kept: Result | undefined): HTMLElement {
   root.append(sizes("Contour error of the true tip while cutting / µm", figures.contour_error_um, kept?.figures.contour_error_um));
   if (figures.orientation_error_urad) root.append(sizes("Angle of the tool from its direction while cutting / µrad", figures.orientation_error_urad, kept?.figures.orientation_error_urad));
   root.append(digests(run, kept), counts(run, kept));
+  if (figures.notes.length > 0) root.append(el("ul", { "aria-label": "Notes on the run" }, ...figures.notes.map((note) => el("li", {}, note))));
   if (figures.faults.length > 0) root.append(faults(figures));
   return root;
 }

@@ -5,6 +5,7 @@
 //! | `dropout:X@1.25s+3` | from 1.25 s on, 3 readings of X are missing (NaN, `valid` false) |
 //! | `glitch:Y@0.5s+1=5.0mm` | one reading of Y is 5 mm too large |
 //! | `stuck:Z@2s+200` | Z repeats its last reading for 200 cycles |
+//! | `scale:X@0s+5000=0.5` | for 5000 cycles the reading of X shows half of its motion; −1: against it |
 //! | `late@3s+1=2.5` | one cycle takes 2.5 periods |
 //! | `nan-command:X@2s+1` | the commanded position of X is NaN once |
 //! | `jump-command:X@2s+1=3mm` | the commanded position of X is 3 mm too large once |
@@ -39,6 +40,8 @@ pub enum FaultKind {
     Glitch(Axis, f64),
     /// The reading of an axis does not change.
     Stuck(Axis),
+    /// The reading of an axis shows this multiple of its motion.
+    Scale(Axis, f64),
     /// A cycle takes this many periods.
     Late(f64),
     /// The commanded position of an axis is NaN.
@@ -54,6 +57,7 @@ impl FaultKind {
             FaultKind::Dropout(axis)
             | FaultKind::Glitch(axis, _)
             | FaultKind::Stuck(axis)
+            | FaultKind::Scale(axis, _)
             | FaultKind::NanCommand(axis)
             | FaultKind::JumpCommand(axis, _) => Some(axis),
             FaultKind::Late(_) => None,
@@ -135,6 +139,12 @@ impl FromStr for Fault {
             "nan-command" => without_value(FaultKind::NanCommand(axis()?))?,
             "glitch" => axis().and_then(|axis| Ok(FaultKind::Glitch(axis, length(axis)?)))?,
             "jump-command" => axis().and_then(|axis| Ok(FaultKind::JumpCommand(axis, length(axis)?)))?,
+            "scale" => {
+                let needed = "a multiple of the motion such as =0.5, -1000 to 1000";
+                let text = value.ok_or_else(|| wrong(rest, needed))?;
+                let multiple = text.trim().parse::<f64>().ok().filter(|multiple| multiple.abs() <= 1000.0);
+                FaultKind::Scale(axis()?, multiple.ok_or_else(|| wrong(text, needed))?)
+            }
             "late" => {
                 if letter.is_some() {
                     return Err(wrong(what, "no axis: the whole cycle is late"));
@@ -144,7 +154,7 @@ impl FromStr for Fault {
                 let periods = text.trim().parse::<f64>().ok().filter(|periods| (1.0..=1000.0).contains(periods));
                 FaultKind::Late(periods.ok_or_else(|| wrong(text, needed))?)
             }
-            _ => return Err(wrong(name, "dropout, glitch, stuck, late, nan-command or jump-command")),
+            _ => return Err(wrong(name, "dropout, glitch, stuck, scale, late, nan-command or jump-command")),
         };
         Ok(Fault { kind, at_s, cycles })
     }
@@ -157,6 +167,7 @@ impl fmt::Display for Fault {
             FaultKind::Dropout(_) => ("dropout", None),
             FaultKind::Glitch(_, by) => ("glitch", Some(by)),
             FaultKind::Stuck(_) => ("stuck", None),
+            FaultKind::Scale(_, multiple) => ("scale", Some(multiple)),
             FaultKind::Late(periods) => ("late", Some(periods)),
             FaultKind::NanCommand(_) => ("nan-command", None),
             FaultKind::JumpCommand(_, by) => ("jump-command", Some(by)),
@@ -166,7 +177,16 @@ impl fmt::Display for Fault {
             write!(f, ":{}", axis.letter())?;
         }
         write!(f, "@{}s+{}", self.at_s, self.cycles)?;
-        let unit = self.kind.axis().map_or("", |axis| if axis.is_rotary() { "deg" } else { "mm" });
+        let unit = match self.kind {
+            FaultKind::Glitch(axis, _) | FaultKind::JumpCommand(axis, _) => {
+                if axis.is_rotary() {
+                    "deg"
+                } else {
+                    "mm"
+                }
+            }
+            _ => "",
+        };
         value.map_or(Ok(()), |value| write!(f, "={value}{unit}"))
     }
 }
@@ -191,6 +211,7 @@ mod tests {
             "dropout:X@1.25s+3",
             "glitch:Y@0.5s+1=5.0mm",
             "stuck:Z@2s+200",
+            "scale:B@0s+5000=-0.5",
             "late@3s+1=2.5",
             "nan-command:X@2s+1",
             "jump-command:C@2s+1=-3deg",
@@ -203,6 +224,7 @@ mod tests {
                 FaultKind::Dropout(Axis::X),
                 FaultKind::Glitch(Axis::Y, 5.0),
                 FaultKind::Stuck(Axis::Z),
+                FaultKind::Scale(Axis::B, -0.5),
                 FaultKind::Late(2.5),
                 FaultKind::NanCommand(Axis::X),
                 FaultKind::JumpCommand(Axis::C, -3.0),
@@ -238,6 +260,10 @@ mod tests {
             ("glitch:X@1s+1=2deg", "2deg", "=5.0mm"),
             ("glitch:C@1s+1=2mm", "2mm", "deg"),
             ("glitch:C@1s+1=infdeg", "infdeg", "deg"),
+            ("scale:X@1s+1", "\"1\"", "=0.5"),
+            ("scale:X@1s+1=2mm", "2mm", "multiple"),
+            ("scale:X@1s+1=1e4", "1e4", "-1000 to 1000"),
+            ("scale@1s+1=2", "scale", "an axis"),
             ("late:X@1s+1=2", "late:X", "no axis"),
             ("late@1s+1=0.5", "0.5", "1 to 1000"),
             ("vanish:X@1s+1", "vanish", "dropout"),

@@ -120,6 +120,8 @@ struct Station {
     /// Last reading of the drive, and last reading that the control received.
     counts: i64,
     sent: i64,
+    /// Reading from which a wrong scale counts: the last one without it.
+    scaled_from: i64,
 }
 
 /// A machine with its servo drives, cycle by cycle; deterministic for a given seed.
@@ -166,6 +168,7 @@ impl Plant {
                     encoder: Encoder::new(settings.encoders[i], own.axis, seed),
                     counts: 0,
                     sent: 0,
+                    scaled_from: 0,
                 }
             })
             .collect();
@@ -201,6 +204,7 @@ impl Plant {
             station.play.follow(f64::MAX);
             station.counts = (q / station.encoder.resolution()).round() as i64;
             station.sent = station.counts;
+            station.scaled_from = station.counts;
         }
     }
 
@@ -251,15 +255,24 @@ impl Plant {
             station.counts = station.encoder.read(station.drive.position());
 
             let mut sent = station.counts;
+            let mut scaled = false;
             for kind in self.faults.acting(cycle, self.period_s) {
                 match kind {
                     FaultKind::Stuck(axis) if axis == station.axis => sent = station.sent,
+                    FaultKind::Scale(axis, multiple) if axis == station.axis => {
+                        scaled = true;
+                        let way = (sent - station.scaled_from) as f64;
+                        sent = station.scaled_from.saturating_add((multiple * way).round() as i64);
+                    }
                     FaultKind::Glitch(axis, by) if axis == station.axis => {
                         sent = sent.saturating_add((by / resolution).round() as i64);
                     }
                     FaultKind::Dropout(axis) if axis == station.axis => readings.valid[i] = false,
                     _ => {}
                 }
+            }
+            if !scaled {
+                station.scaled_from = station.counts;
             }
             if readings.valid[i] {
                 readings.counts[i] = sent;

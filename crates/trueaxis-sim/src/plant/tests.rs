@@ -219,6 +219,27 @@ fn scripted_faults_reach_the_readings_and_not_the_drives() {
 }
 
 #[test]
+fn a_wrong_scale_counts_from_the_last_right_reading() {
+    let faults = FaultScript::parse([format!("scale:X@{}s+20=-0.5", 30.0 * PERIOD)]).unwrap();
+    let settings = PlantSettings { faults, ..PlantSettings::default() };
+    let mut faulty = Plant::new(&mill(), settings, false, 9, PERIOD).unwrap();
+    let mut sound = Plant::new(&mill(), PlantSettings::default(), false, 9, PERIOD).unwrap();
+    let mut last = 0;
+    for cycle in 0..60 {
+        let command = [0.01 * f64::from(cycle); AXES];
+        let [right, wrong] = [&mut sound, &mut faulty].map(|plant| plant.cycle(&command).counts);
+        assert_eq!(right[1..], wrong[1..]);
+        if (30..50).contains(&cycle) {
+            assert_eq!(wrong[0], last + (-0.5 * (right[0] - last) as f64).round() as i64, "{cycle}");
+        } else {
+            assert_eq!(wrong[0], right[0], "{cycle}");
+            last = right[0];
+        }
+    }
+    assert!(last > 1000);
+}
+
+#[test]
 fn scripted_commands_are_disturbed_once() {
     let faults = FaultScript::parse(["nan-command:X@0s+1", "jump-command:Z@0.0001s+1=3mm"]).unwrap();
     let settings = PlantSettings { faults, ..PlantSettings::default() };

@@ -265,6 +265,7 @@ where
             let axis = self.axes.get(usize::from(record.fault_axis)).copied().unwrap_or(Axis::X);
             self.sums.fault(record.fault, axis, &commanded.moment);
         }
+        self.sums.withdrawals.add(record.status, &commanded.moment);
         self.sample(&measured, &stepped)
     }
 

@@ -87,6 +87,8 @@ pub fn notes(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> 
     }
     let refused = full.and_then(|_| feedback_refused(&scenario.machine.settings, scenario.period_s()));
     notes.extend(refused.map(|why| format!("the full run has no contour feedback: {why}")));
+    let withdrawn = full.into_iter().flat_map(|full| &full.withdrawn);
+    notes.extend(withdrawn.map(|withdrawn| withdrawn.note(scenario.period_s())));
     notes.extend(full.zip(compensated).and_then(|(full, compensated)| note_of_full(full, compensated)));
     if let Some(more) = compensated.map(|compensated| compensated.more_faults).filter(|more| *more > 0) {
         notes.push(format!(

@@ -12,6 +12,7 @@ mod plugin;
 mod sample;
 mod sampled;
 mod tally;
+mod withdrawn;
 
 use crate::error::Result;
 use crate::event::Act;
@@ -34,6 +35,7 @@ pub use kind::{Kind, feedback_refused};
 pub use limits::CorrectionLimits;
 pub use sample::{DynamicSample, Given, Moment, Sample, Sink};
 pub use tally::{AngleSize, ErrorSize, FaultSpan, MOST_FAULT_SPANS, Tallies};
+pub use withdrawn::Withdrawn;
 
 /// A simulation in progress: program, motion, servo loop with its tables, plants and their state, owned together.
 ///

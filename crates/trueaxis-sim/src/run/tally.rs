@@ -1,6 +1,7 @@
 //! Figures that a run accumulates.
 
 use super::sample::Moment;
+use super::withdrawn::{Withdrawals, Withdrawn};
 use trueaxis::{Axis, Fault};
 use trueaxis_recording::adversary::Digest;
 use trueaxis_tables::limits::Clipped;
@@ -62,6 +63,8 @@ pub struct Tallies {
     pub clipped: Clipped,
     /// Whether a stop request stopped the machine.
     pub stopped: bool,
+    /// Parts of the dynamic correction that the step's watch withdrew.
+    pub withdrawn: Vec<Withdrawn>,
     /// Digest of every output of the step since the program began ([`Digest`]).
     pub digest: u32,
 }
@@ -112,6 +115,7 @@ pub(super) struct Sums {
     pub(super) clipped: Clipped,
     pub(super) stopped: bool,
     pub(super) digest: Digest,
+    pub(super) withdrawals: Withdrawals,
     faults: Vec<FaultSpan>,
     more_faults: u64,
 }
@@ -141,6 +145,7 @@ impl Sums {
             limited_cycles: self.limited_cycles,
             clipped: self.clipped.clone(),
             stopped: self.stopped,
+            withdrawn: self.withdrawals.found.clone(),
             digest: self.digest.value(),
         }
     }

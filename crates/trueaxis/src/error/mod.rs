@@ -135,6 +135,8 @@ pub enum Fault {
     /// The cycle came late or early by more than a quarter of its period, or cycles have come faster than the period
     /// for so long that the corrections must pause ([`crate::Input::elapsed_ns`]).
     LateCycle = 5,
+    /// A reading moves against the command, or by about half or twice as much: sign or scale of the encoder are wrong.
+    FeedbackRatio = 6,
     /// A command is infinite or not a number.
     CommandNotFinite = 16,
     /// A command lies outside the declared travel.
@@ -172,6 +174,9 @@ impl fmt::Display for Fault {
             Fault::EncoderAlarm => "an encoder interface reports an alarm",
             Fault::LateCycle => {
                 "the cycle came late or early by more than a quarter of its period, or too many came early"
+            }
+            Fault::FeedbackRatio => {
+                "an encoder reading moves against the command, or by about half or twice as much: check its sign and scale"
             }
             Fault::CommandNotFinite => "a command is not a finite number",
             Fault::CommandOutOfTravel => "a command lies outside the travel of its axis",
@@ -224,6 +229,7 @@ impl TryFrom<u8> for Fault {
             Fault::EncoderStuck,
             Fault::EncoderAlarm,
             Fault::LateCycle,
+            Fault::FeedbackRatio,
             Fault::CommandNotFinite,
             Fault::CommandOutOfTravel,
             Fault::CommandJump,
@@ -286,7 +292,7 @@ mod tests {
     fn every_fault_has_a_sentence_of_its_own() {
         let faults: std::vec::Vec<Fault> = (0..=u8::MAX).filter_map(|code| Fault::try_from(code).ok()).collect();
         let sentences: BTreeSet<_> = faults.iter().map(ToString::to_string).collect();
-        assert_eq!((faults.len(), sentences.len()), (17, 17));
+        assert_eq!((faults.len(), sentences.len()), (18, 18));
         assert!(sentences.iter().all(|text| text.is_ascii() && text.len() > 7 && !text.ends_with('.')));
     }
 }

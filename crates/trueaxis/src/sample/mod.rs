@@ -3,6 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 mod encoder;
+mod ratio;
 mod sampler;
 
 pub use encoder::{EncoderScale, WrappingCounter};

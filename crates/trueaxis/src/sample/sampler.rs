@@ -2,6 +2,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
+use super::ratio::{Places, Ratio, RatioLimits};
 use super::{Input, Refusal, Sample, Verdict};
 use crate::error::Fault;
 use crate::machine::{AxisOrder, FaultSettings, MachineSettings};
@@ -25,6 +26,7 @@ struct Plausible<R, P: Position> {
     resume: P::Reach,
     /// The two jumps again, mm (deg), to be multiplied by the number of missing cycles.
     jumps: [R; 2],
+    ratio: RatioLimits<R>,
 }
 
 impl<R: Real, P: Position> Plausible<R, P> {
@@ -86,7 +88,7 @@ impl<P: Position> Suspicion<P> {
 
 /// State of the stage.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SampleState<P: Position, const N: usize> {
+pub(crate) struct SampleState<R, P: Position, const N: usize> {
     /// Whether the last cycle was active and passed every check: no stop, no reading missing, no reset held.
     calm: bool,
     started: bool,
@@ -103,9 +105,12 @@ pub(crate) struct SampleState<P: Position, const N: usize> {
     /// Cycles since the last trusted reading.
     missing: [u16; N],
     suspicions: [Suspicion<P>; N],
+    ratios: [Ratio<R, P>; N],
+    /// Slot of the axis whose ratio is compared next.
+    turn: u8,
 }
 
-impl<P: Position, const N: usize> SampleState<P, N> {
+impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
     pub(crate) fn new() -> Self {
         SampleState {
             calm: false,
@@ -120,12 +125,23 @@ impl<P: Position, const N: usize> SampleState<P, N> {
             feedback: [P::default(); N],
             missing: [0; N],
             suspicions: [Suspicion::default(); N],
+            ratios: [Ratio::default(); N],
+            turn: 0,
         }
     }
 
     /// The command of the last cycle; during a stop, the held one.
     pub(crate) fn commanded(&self) -> [P; N] {
         self.command
+    }
+
+    /// Begins at rest at the first command, as the readings are.
+    #[cold]
+    fn rest(&mut self, command: &[P; N]) {
+        for ((ratio, command), reading) in self.ratios.iter_mut().zip(command).zip(&self.feedback) {
+            let at = Places { sent: *command, command: *command, reading: *reading };
+            *ratio = Ratio::at_rest(at, u16::MAX);
+        }
     }
 
     /// Accepts this cycle's command: it goes to the drives.
@@ -146,6 +162,7 @@ impl<P: Position, const N: usize> SampleState<P, N> {
         for (suspicion, held) in self.suspicions.iter_mut().zip(&self.command) {
             suspicion.command = *held;
         }
+        self.ratios.iter_mut().for_each(Ratio::interrupt);
     }
 }
 
@@ -182,6 +199,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             play: P::Reach::default(),
             resume: any,
             jumps: [R::MAX; 2],
+            ratio: RatioLimits::ABSENT,
         };
         let limits = order.slots(|axis| {
             let FaultSettings { resume, command_jump_factor, feedback_jump, stuck } = machine.faults;
@@ -206,6 +224,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                     play: P::reach(play),
                     resume: P::reach(pick(resume)),
                     jumps: jumps.map(R::of),
+                    ratio: RatioLimits::new(settings, N as f64 * period),
                 }
             })
         });
@@ -227,11 +246,11 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         self.axes.iter().zip(positions).all(|(axis, position)| position.is_within(&axis.travel))
     }
 
-    /// Quick check: whether this cycle, following one that passed every check, passes them too; its sample is then
+    /// Quick check (`sent`: the drive positions sent last): whether this cycle, following one that passed every check, passes them too; its sample is then
     /// [`Sample::calm`]. `false`: the full check ([`Sampler::full_check`]) is needed; anything changed here it changes in the
     /// same way.
     #[inline(always)]
-    pub(crate) fn quick_check(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
+    pub(crate) fn quick_check(&self, state: &mut SampleState<R, P, N>, input: &Input<P, N>, sent: &[P; N]) -> bool {
         let Some(time_ns) = self.calm_time(state, input) else { return false };
         let positions = input.feedback.iter().zip(&input.command);
         for ((axis, suspicion), (reading, command)) in self.axes.iter().zip(&mut state.suspicions).zip(positions) {
@@ -239,13 +258,16 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                 return false;
             }
         }
+        if self.compare_ratio(state, [sent, &input.command, &input.feedback]) {
+            return false;
+        }
         (state.feedback, state.time_ns) = (input.feedback, time_ns);
         true
     }
 
     /// The time left after a cycle in which [`Sampler::full_check`] would find no fault either, apart from a stuck reading.
     #[inline(always)]
-    fn calm_time(&self, state: &SampleState<P, N>, input: &Input<P, N>) -> Option<u32> {
+    fn calm_time(&self, state: &SampleState<R, P, N>, input: &Input<P, N>) -> Option<u32> {
         let switched = input.homed && input.enable && !input.reset;
         let in_order = input.encoder_alarm == 0 && input.refusal.fault == Fault::None;
         let in_time = input.elapsed_ns.wrapping_sub(self.earliest_ns) <= self.tolerance_ns;
@@ -279,12 +301,53 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         }
     }
 
+    /// Compares the motion that one axis' reading shows with the motion sent; the next axis follows in the next cycle. Where
+    /// the reading is found to be wrong, returns `true` and changes nothing.
+    #[inline(always)]
+    fn compare_ratio(&self, state: &mut SampleState<R, P, N>, [sent, command, reading]: [&[P; N]; 3]) -> bool {
+        let turn = if usize::from(state.turn) < N { usize::from(state.turn) } else { 0 };
+        let (Some(axis), Some(ratio)) = (self.axes.get(turn), state.ratios.get_mut(turn)) else { return false };
+        let (Some(sent), Some(command), Some(reading)) = (sent.get(turn), command.get(turn), reading.get(turn)) else {
+            return false;
+        };
+        if axis.ratio.finds(ratio, Places { sent: *sent, command: *command, reading: *reading }) {
+            return true;
+        }
+        state.turn = (turn + 1) as u8;
+        false
+    }
+
+    /// Slot of the first axis whose reading moves by a wrong ratio: from the cycle that shows it, until the compensation is
+    /// switched off or a reset arrives. `compares`: a cycle on time.
+    #[inline(always)]
+    fn ratio_fault(
+        &self,
+        state: &mut SampleState<R, P, N>,
+        command: &[P; N],
+        sent: &[P; N],
+        (active, compares): (bool, bool),
+    ) -> Option<u8> {
+        if !active {
+            state.ratios.iter_mut().filter(|ratio| ratio.is_wrong()).for_each(Ratio::forget);
+        }
+        let reading = state.feedback;
+        if compares && self.compare_ratio(state, [sent, command, &reading]) {
+            let turn = usize::from(state.turn) % N;
+            if let Some(ratio) = state.ratios.get_mut(turn) {
+                if active { ratio.condemn() } else { ratio.forget() }
+            }
+            state.turn = (turn + 1) as u8;
+        }
+        state.ratios.iter().position(Ratio::is_wrong).map(|slot| slot as u8)
+    }
+
     /// The full check of a cycle. `trusted` receives the positions of command and feedback.
     #[inline(never)]
     pub(crate) fn full_check<'s>(
         &self,
-        state: &mut SampleState<P, N>,
+        state: &mut SampleState<R, P, N>,
         input: &'s Input<P, N>,
+        sent: &[P; N],
         trusted: &'s mut [[P; N]; 2],
     ) -> Sample<'s, P, N> {
         state.calm = false;
@@ -307,8 +370,16 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             return self.stopped(state, input, reset, (command_fault, command_axis), (first, due), trusted);
         }
         let (feedback_fault, feedback_axis) = self.feedback_fault(state, input, &input.command, active && !first);
-        let (fault, axis) = match (feedback_fault, (late || early) && active && !first) {
-            (Fault::None, true) => (Fault::LateCycle, 0),
+        if reset {
+            state.ratios.iter_mut().for_each(Ratio::forget);
+        }
+        if first {
+            state.rest(&input.command);
+        }
+        let ratio = self.ratio_fault(state, &input.command, sent, (active, !(first || late || early)));
+        let (fault, axis) = match (feedback_fault, ratio) {
+            (Fault::None, None) if (late || early) && active && !first => (Fault::LateCycle, 0),
+            (_, Some(slot)) if feedback_fault == Fault::None || slot < feedback_axis => (Fault::FeedbackRatio, slot),
             _ => (feedback_fault, feedback_axis),
         };
         state.started = true;
@@ -340,7 +411,13 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     /// The first fault of the command. Travel and jumps count only while the step is active: before homing, positions
     /// have no meaning.
     #[inline(always)]
-    fn command_fault(&self, state: &SampleState<P, N>, input: &Input<P, N>, active: bool, late: bool) -> (Fault, u8) {
+    fn command_fault(
+        &self,
+        state: &SampleState<R, P, N>,
+        input: &Input<P, N>,
+        active: bool,
+        late: bool,
+    ) -> (Fault, u8) {
         let check_jump = state.started && state.active;
         let mut place = 0;
         for ((axis, command), last) in self.axes.iter().zip(&input.command).zip(&state.command) {
@@ -369,7 +446,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     #[inline(always)]
     fn feedback_fault(
         &self,
-        state: &mut SampleState<P, N>,
+        state: &mut SampleState<R, P, N>,
         input: &Input<P, N>,
         command: &[P; N],
         watch: bool,
@@ -377,8 +454,9 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         let mut worst = (Fault::None, 0);
         let mut place = 0u8;
         let active = input.homed && input.enable;
-        let memory = state.feedback.iter_mut().zip(&mut state.missing).zip(&mut state.suspicions);
-        for (((axis, reading), command), ((good, missing), suspicion)) in
+        let memory =
+            state.feedback.iter_mut().zip(&mut state.missing).zip(&mut state.suspicions).zip(&mut state.ratios);
+        for (((axis, reading), command), (((good, missing), suspicion), ratio)) in
             self.axes.iter().zip(&input.feedback).zip(command).zip(memory)
         {
             // In the cycle of switching on, the host may have set a new command.
@@ -418,6 +496,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             // The reading could not show this distance.
             if !matches!(fault, Fault::None | Fault::EncoderStuck) {
                 suspicion.command = *command;
+                ratio.interrupt();
             }
             if fault != Fault::None && worst.0 == Fault::None {
                 worst = (fault, place);
@@ -431,7 +510,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     #[inline(never)]
     fn stopped<'s>(
         &self,
-        state: &mut SampleState<P, N>,
+        state: &mut SampleState<R, P, N>,
         input: &'s Input<P, N>,
         reset: bool,
         (fault, axis): (Fault, u8),
@@ -455,6 +534,9 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         let within = inactive || self.within_travel(&input.command);
         let acceptable = matches!(fault, Fault::None | Fault::CommandJump) && within;
         // Readings are still checked, but only the stop is reported.
+        if inactive {
+            state.ratios.iter_mut().for_each(Ratio::forget);
+        }
         let held = state.command;
         let _ = self.feedback_fault(state, input, &held, state.active && !first);
         if was_latched && reset && placed && near && acceptable {
@@ -465,6 +547,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             {
                 *suspicion = Suspicion::from(*reading, *command);
             }
+            state.ratios.iter_mut().for_each(Ratio::forget);
             state.active = input.homed && input.enable;
             let verdict = if state.active { Verdict::Active } else { Verdict::Inactive };
             *trusted = [input.command, state.feedback];
@@ -499,7 +582,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     /// Before the first command, sets the held position to the latest readings until every axis has been read. Returns
     /// whether all axes are known.
     #[cold]
-    fn placed(&self, state: &mut SampleState<P, N>, input: &Input<P, N>) -> bool {
+    fn placed(&self, state: &mut SampleState<R, P, N>, input: &Input<P, N>) -> bool {
         let known = |known: u8| known.count_ones() as usize == N;
         if known(state.known) {
             return true;

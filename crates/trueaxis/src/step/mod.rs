@@ -167,7 +167,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) {
         if !part::FAST {
             self.any_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
-        } else if self.sampler.quick_check(&mut state.sample, input) {
+        } else if self.sampler.quick_check(&mut state.sample, input, state.output.drive()) {
             self.calm_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
         } else {
             self.slow_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
@@ -201,7 +201,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         watch: &mut impl FnMut(Stage),
     ) {
         let mut trusted = [[P::default(); N]; 2];
-        let sample = self.sampler.full_check(&mut state.sample, input, &mut trusted);
+        let sample = self.sampler.full_check(&mut state.sample, input, state.output.drive(), &mut trusted);
         self.cycle(state, &sample, measure, gauge, output, watch);
     }
 
@@ -217,10 +217,10 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         watch: &mut impl FnMut(Stage),
     ) {
         let mut trusted = [[P::default(); N]; 2];
-        let sample = if self.sampler.quick_check(&mut state.sample, input) {
+        let sample = if self.sampler.quick_check(&mut state.sample, input, state.output.drive()) {
             Sample::calm(input)
         } else {
-            self.sampler.full_check(&mut state.sample, input, &mut trusted)
+            self.sampler.full_check(&mut state.sample, input, state.output.drive(), &mut trusted)
         };
         self.cycle(state, &sample, measure, gauge, output, watch);
     }

@@ -20,7 +20,7 @@ use crate::telemetry::{Record, Status};
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct State<R, P: Position, const N: usize> {
-    pub(super) sample: SampleState<P, N>,
+    pub(super) sample: SampleState<R, P, N>,
     pub(super) output: OutputState<R, P, N>,
     pub(super) reversal: [Reversal<P>; N],
     pub(super) sequence: u32,

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use trueaxis_report::thin;
 use trueaxis_sim::event::{Act, EventKind};
 use trueaxis_sim::path::drawn;
-use trueaxis_sim::run::{Figures, Kind, Run, feedback_refused};
+use trueaxis_sim::run::{Figures, Kind, Run, feedback_refused, notes};
 use trueaxis_sim::{Scenario, Settings};
 
 /// Number of sections of a curved move, and of the whole path if that has more points.
@@ -47,6 +47,14 @@ struct Asked {
     act: String,
     /// Files of the machine to exchange, if it is not known yet.
     files: Option<Texts>,
+}
+
+/// Figures so far, and remarks: parts that the watch withdrew, among others.
+#[derive(Serialize)]
+pub(super) struct Noted {
+    #[serde(flatten)]
+    figures: Figures,
+    notes: Vec<String>,
 }
 
 /// An act as recorded.
@@ -97,9 +105,10 @@ impl Session {
         self.run.cycles()
     }
 
-    pub(super) fn figures(&self) -> Figures {
+    pub(super) fn figures(&self) -> Noted {
         let machines: Vec<_> = self.kinds.iter().copied().zip(self.run.tallies()).collect();
-        Figures::of(&self.scenario, &machines)
+        let notes = notes(&self.scenario, self.run.cycle(), &machines);
+        Noted { figures: Figures::of(&self.scenario, &machines), notes }
     }
 
     /// The programmed path: x, y, z, line, cutting.

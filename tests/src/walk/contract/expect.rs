@@ -30,7 +30,14 @@ pub(super) struct Senses<P, const N: usize> {
     steady: [P; N],
     counted: [P; N],
     unmoved: [f64; N],
+    /// Axes whose readings were found to move by a wrong ratio, and the range of reading minus command.
+    ratio: [bool; N],
+    apart: [[f64; 2]; N],
 }
+
+/// A reading that has never deviated by more than this moves by no wrong ratio, mm (deg): the least motion against the
+/// command, of which half may come from a correction that is not in the reading.
+const RIGHT: f64 = 0.075;
 
 impl<P: Place, const N: usize> Default for Senses<P, N> {
     fn default() -> Self {
@@ -49,6 +56,8 @@ impl<P: Place, const N: usize> Default for Senses<P, N> {
             steady: zero,
             counted: zero,
             unmoved: [0.0; N],
+            ratio: [false; N],
+            apart: [[f64::INFINITY, f64::NEG_INFINITY]; N],
         }
     }
 }
@@ -101,6 +110,9 @@ impl<P: Place, const N: usize> Senses<P, N> {
         self.reset = input.reset;
         let first = !self.started;
         if self.latched.is_none() && !any {
+            if rising {
+                self.ratio = [false; N];
+            }
             let readings = self.readings(seen, &input.command, active && !first);
             let joint = stops && reported.0 == Fault::JointRange;
             tally.that(Rule::StopsOnlyWhenDue, !stops || joint, || format!("{reported:?} for {input:?}"))?;
@@ -163,6 +175,7 @@ impl<P: Place, const N: usize> Senses<P, N> {
             self.latched = None;
             self.started = true;
             (self.steady, self.counted, self.unmoved) = (self.good, input.command, [0.0; N]);
+            self.ratio = [false; N];
             self.active = active;
             return Ok(if active { Verdict::Active } else { Verdict::Inactive });
         }
@@ -265,8 +278,27 @@ impl<P: Place, const N: usize> Senses<P, N> {
                 (self.steady[k], self.counted[k], self.unmoved[k]) = (self.good[k], command[k], 0.0);
             }
             faults[k] = fault;
+            let apart = self.good[k].to_f64() - command[k].to_f64();
+            self.apart[k] = [self.apart[k][0].min(apart), self.apart[k][1].max(apart)];
         }
+        self.ratios(seen, active, &mut faults);
         faults
+    }
+
+    /// Readings of a wrong ratio: follows the record where a reading has deviated enough; the axes' own tests know when it must.
+    fn ratios<R: Scalar>(&mut self, seen: &Seen<'_, '_, R, P, N>, active: bool, faults: &mut [Fault; N]) {
+        if !active {
+            self.ratio = [false; N];
+        }
+        let record = &seen.outcome.output.record;
+        let reported = (active && record.fault == Fault::FeedbackRatio).then_some(usize::from(record.fault_axis));
+        for (k, fault) in faults.iter_mut().enumerate() {
+            let [least, most] = self.apart[k];
+            self.ratio[k] |= reported == Some(k) && most - least > RIGHT;
+            if self.ratio[k] && *fault == Fault::None {
+                *fault = Fault::FeedbackRatio;
+            }
+        }
     }
 
     /// A stop before the first command: the machine is where every axis was last read. Returns whether that is known.

@@ -191,18 +191,21 @@ fn the_quick_check_agrees_with_the_full_check<R: Real, P: Position>(seed: u64) {
     let order = AxisOrder::<3>::of(&machine).unwrap();
     let sampler = Sampler::<R, P, 3>::new(&order, &machine, PERIOD_NS);
     let mut random = Noise::new(seed);
-    let (mut quick, mut thorough) = (SampleState::<P, 3>::new(), SampleState::<P, 3>::new());
+    let (mut quick, mut thorough) = (SampleState::<R, P, 3>::new(), SampleState::<R, P, 3>::new());
     let (mut command, mut feedback) = ([50.0; 3], [50.0; 3]);
     let mut passed_quickly = 0;
     let mut faults = std::collections::BTreeSet::new();
     for cycle in 0..share(100_000) {
         let input = random_cycle::<P>(&mut random, &mut command, &mut feedback);
-        let calm = sampler.quick_check(&mut quick, &input);
+        // The drives are sent the commands.
+        let sent = thorough.commanded();
+        let calm = sampler.quick_check(&mut quick, &input, &sent);
         passed_quickly += usize::from(calm);
         let mut trusted = [[[P::default(); 3]; 2]; 2];
         let [by_quick_check, by_full_check] = &mut trusted;
-        let seen = if calm { Sample::calm(&input) } else { sampler.full_check(&mut quick, &input, by_quick_check) };
-        let expected = sampler.full_check(&mut thorough, &input, by_full_check);
+        let seen =
+            if calm { Sample::calm(&input) } else { sampler.full_check(&mut quick, &input, &sent, by_quick_check) };
+        let expected = sampler.full_check(&mut thorough, &input, &sent, by_full_check);
         assert_eq!(format!("{seen:?}"), format!("{expected:?}"), "{cycle}: {input:?}");
         faults.insert(seen.fault as u8);
         if random.unit() < 0.001 {

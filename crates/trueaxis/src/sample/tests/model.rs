@@ -310,7 +310,7 @@ fn every_decision_is_the_models() {
     let mut seen = BTreeMap::<String, u32>::new();
     for round in 0..1500 {
         let mut model = Model::default();
-        let mut state = SampleState::<Nanometres, AXES>::new();
+        let mut state = SampleState::<f64, Nanometres, AXES>::new();
         for cycle in 0..100 {
             let stretch = match (round % 4, cycle) {
                 (0, 0..4) => Stretch { wild: 0.3, rare: 0.1, stuck: AXES },
@@ -321,8 +321,13 @@ fn every_decision_is_the_models() {
             let input = random_cycle(&mut random, &model, &stretch);
             let expected = model.cycle(&input);
             let mut trusted = [[Nanometres(0); AXES]; 2];
-            let calm = sampler.quick_check(&mut state, &input);
-            let found = if calm { Sample::calm(&input) } else { sampler.full_check(&mut state, &input, &mut trusted) };
+            // The drives are sent the commands.
+            let sent = state.commanded();
+            let calm = sampler.quick_check(&mut state, &input, &sent);
+            let found = match calm {
+                true => Sample::calm(&input),
+                false => sampler.full_check(&mut state, &input, &sent, &mut trusted),
+            };
             let decided = Decided {
                 verdict: found.verdict,
                 fault: (found.fault, found.axis),
@@ -390,12 +395,13 @@ fn travel_holds_to_its_ends_and_an_absent_axis_has_all_there_is() {
     for (far, within) in [(1e9, true), (-1e9, true), (1.000_001e9, false), (-1.000_001e9, false)] {
         assert_eq!(sampler.within_travel(&[0.0, 0.0, far, 0.0]), within, "{far}");
     }
-    let mut state = SampleState::<f64, 4>::new();
+    let mut state = SampleState::<f64, f64, 4>::new();
     for command in [0.0, 1e9, -1e9, 5.0] {
         let input = Input { homed: true, enable: true, ..Input::at_rest(PERIOD_NS) };
         let input = Input { command: [0.0, 0.0, command, 0.0], ..input };
         let mut trusted = [[0.0; 4]; 2];
-        let found = sampler.full_check(&mut state, &input, &mut trusted);
+        let sent = state.commanded();
+        let found = sampler.full_check(&mut state, &input, &sent, &mut trusted);
         assert_eq!((found.verdict, found.fault), (Verdict::Active, Fault::None), "{command}");
         state.accept(&input.command);
     }

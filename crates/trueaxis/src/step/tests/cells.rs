@@ -241,7 +241,7 @@ fn compare<R: Real, P: Position>(
     let mut probe = *state;
     let sent = *state.output.offsets();
     let mut trusted = [[P::default(); 3]; 2];
-    let sample = servo.sampler.full_check(&mut probe.sample, input, &mut trusted);
+    let sample = servo.sampler.full_check(&mut probe.sample, input, state.output.drive(), &mut trusted);
     let before = probe.cells.windows();
     let kept = probe.cells.are_direct(&servo.tables);
     let modelled = servo.model(&mut probe, &sample, false);
@@ -406,7 +406,7 @@ fn at_the_velocity_limit(tables: &Tables, period_ns: u32) -> Inverse {
         let sent = *state.output.offsets();
         let mut probe = state;
         let mut trusted = [[0.0; 3]; 2];
-        let sample = servo.sampler.full_check(&mut probe.sample, &input, &mut trusted);
+        let sample = servo.sampler.full_check(&mut probe.sample, &input, state.output.drive(), &mut trusted);
         let wanted = servo.model(&mut probe, &sample, false).wanted;
         let truth = Truth { directions: probe.reversal.map(|r| r.direction()), ..truth };
         let off = distance(wanted, truth.correction(place));

@@ -9,6 +9,7 @@ mod finite;
 mod harm;
 mod pace;
 mod plausibility;
+mod ratio;
 mod rtcp;
 mod tool;
 mod transitions;
