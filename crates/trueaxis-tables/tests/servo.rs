@@ -87,6 +87,7 @@ fn every_key_arrives_in_its_unit() {
             velocity_feed_forward: 0.93,
             current_loop_s: 0.0003,
             dead_time_s: 0.0005,
+            ..DriveFigures::with_defaults(0.0, 0.0, 0.0)
         })
     );
     assert_eq!(

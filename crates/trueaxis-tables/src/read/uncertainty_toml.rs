@@ -1,6 +1,6 @@
 //! `[uncertainty]`, `[uncertainty.location]` and `[axis.*.uncertainty]` of `machine.toml`.
 
-use super::section::Section;
+use super::section::{KeyValue, Section};
 use super::units::{from_um, from_urad, same};
 use crate::error::FileError;
 use crate::uncertainty::{AxisUncertainty, Instrument, LocationUncertainty, Uncertainties};
@@ -75,6 +75,17 @@ pub(super) fn uncertainties_of<const N: usize>(figures: &Section<'_>, keys: [&st
     Ok(found)
 }
 
+/// Standard uncertainties of resonance (Hz) and damping, which are not compiled.
+pub(super) fn resonance_uncertainty(section: &Section<'_>) -> Result<[Option<KeyValue<f64>>; 2], FileError> {
+    let found = [section.number("resonance_u_hz")?, section.number("resonance_damping_u")?];
+    for stated in found.iter().flatten() {
+        if stated.value < 0.0 {
+            return Err(section.wrong(stated, "a standard uncertainty of at least 0"));
+        }
+    }
+    Ok(found)
+}
+
 /// Instrument and location errors of the machine with these axes, without the sections of the axes.
 pub(super) fn read(root: &Section<'_>, axes: &[Axis]) -> Result<Uncertainties, FileError> {
     let mut found = Uncertainties::default();
@@ -134,6 +145,10 @@ fn read_location(section: Section<'_>, axes: &[Axis]) -> Result<LocationUncertai
 /// Reads `[axis.*.uncertainty]`; nothing is stated if the axis has none.
 pub(super) fn read_axis(axis: &Section<'_>, of: Axis) -> Result<AxisUncertainty, FileError> {
     let mut found = AxisUncertainty::unstated(of);
+    if let Some(drive) = axis.section("drive")? {
+        let [resonance, damping] = resonance_uncertainty(&drive)?.map(|stated| stated.map(|stated| stated.value));
+        (found.resonance_hz, found.resonance_damping) = (resonance, damping);
+    }
     let Some(section) = axis.section("uncertainty")? else { return Ok(found) };
     let (micro, bounds, convert): (_, _, fn(f64) -> f64) =
         if of.is_rotary() { ("urad", &URAD, from_urad) } else { ("um", &UM, from_um) };

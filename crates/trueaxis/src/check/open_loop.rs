@@ -1,9 +1,14 @@
 //! Margins of a loop given by its open-loop transfer function, a ratio of polynomials with a dead time.
 
+use super::notch::Sampled;
+
 /// Number of evaluated frequencies, evenly spaced in their logarithm.
 const POINTS: u16 = 512;
 /// Bisections of the interval between two evaluated frequencies: accurate to one part in 10⁹.
 const HALVINGS: u8 = 40;
+
+/// Sections of the interval about the largest of closely spaced values: to 1 part in 10⁴ of a frequency.
+const FEWER: u8 = 12;
 
 /// A margin and its frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,12 +19,14 @@ pub struct Margin {
     pub frequency_hz: f64,
 }
 
-/// L(s) = N(s)/D(s) · e^(−s T), coefficients of N and D from the constant term on, T in s.
+/// L(s) = N(s)/D(s) · e^(−s T) · F(s), coefficients of N and D from the constant term on, T in s, F a notch if there is
+/// one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct OpenLoop {
-    pub(super) numerator: [f64; 4],
-    pub(super) denominator: [f64; 6],
+pub(super) struct OpenLoop<const N: usize, const D: usize> {
+    pub(super) numerator: [f64; N],
+    pub(super) denominator: [f64; D],
     pub(super) dead_time_s: f64,
+    pub(super) notch: Option<Sampled>,
 }
 
 /// Present margins of a loop, and the largest permitted factor on its gain.
@@ -35,22 +42,41 @@ fn at(polynomial: &[f64], omega: f64) -> [f64; 2] {
     polynomial.iter().rev().fold([0.0, 0.0], |[re, im], c| [c - omega * im, omega * re])
 }
 
-fn size([re, im]: [f64; 2]) -> f64 {
+pub(super) fn size([re, im]: [f64; 2]) -> f64 {
     libm::hypot(re, im)
 }
 
-fn decibels(gain: f64) -> f64 {
+pub(super) fn decibels(gain: f64) -> f64 {
     20.0 * libm::log10(gain)
 }
 
-impl OpenLoop {
+impl<const N: usize, const D: usize> OpenLoop<N, D> {
     /// L(jω).
     pub(super) fn at(&self, omega: f64) -> [f64; 2] {
         let ([a, b], [c, d]) = (at(&self.numerator, omega), at(&self.denominator, omega));
         let square = c * c + d * d;
         let [re, im] = [(a * c + b * d) / square, (b * c - a * d) / square];
         let (cos, sin) = (libm::cos(omega * self.dead_time_s), libm::sin(omega * self.dead_time_s));
-        [re * cos + im * sin, im * cos - re * sin]
+        let [re, im] = [re * cos + im * sin, im * cos - re * sin];
+        let Some(notch) = &self.notch else { return [re, im] };
+        let [a, b] = notch.at(omega);
+        [re * a - im * b, re * b + im * a]
+    }
+
+    /// The largest gain between two frequencies, with its frequency, from values `ratio` apart.
+    pub(super) fn largest(&self, [low, high]: [f64; 2], ratio: f64) -> [f64; 2] {
+        let points = libm::ceil(libm::log(high / low) / libm::log(ratio)) as u16;
+        let mut found = [low, size(self.at(low))];
+        let mut omega = low;
+        for _ in 0..points {
+            omega *= ratio;
+            let gain = size(self.at(omega));
+            if gain > found[1] {
+                found = [omega, gain];
+            }
+        }
+        let peak = self.peak_within([found[0] / ratio, found[0] * ratio], FEWER);
+        if peak[1] > found[1] { peak } else { found }
     }
 
     /// The margins between two angular frequencies, 1/s. `least_phase_deg` (up to 90) and `least_gain_db` are the
@@ -103,9 +129,13 @@ impl OpenLoop {
     }
 
     /// The largest gain between two frequencies, with its frequency, by golden-section search.
-    fn peak(&self, [mut low, mut high]: [f64; 2]) -> [f64; 2] {
+    fn peak(&self, range: [f64; 2]) -> [f64; 2] {
+        self.peak_within(range, HALVINGS)
+    }
+
+    fn peak_within(&self, [mut low, mut high]: [f64; 2], sections: u8) -> [f64; 2] {
         const SECTION: f64 = 0.381_966_011_250_105_15;
-        for _ in 0..HALVINGS {
+        for _ in 0..sections {
             let (left, right) = (low + SECTION * (high - low), high - SECTION * (high - low));
             if size(self.at(left)) < size(self.at(right)) {
                 low = left;
@@ -123,7 +153,7 @@ fn turned([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
     libm::atan2(a * d - b * c, a * c + b * d)
 }
 
-fn hertz(omega: f64) -> f64 {
+pub(super) fn hertz(omega: f64) -> f64 {
     omega / core::f64::consts::TAU
 }
 
@@ -146,7 +176,7 @@ mod tests {
     use super::{Found, OpenLoop};
 
     fn found(numerator: [f64; 4], denominator: [f64; 6], dead_time_s: f64) -> Found {
-        OpenLoop { numerator, denominator, dead_time_s }.margins([1e-3, 1e5], 60.0, 12.0)
+        OpenLoop { numerator, denominator, dead_time_s, notch: None }.margins([1e-3, 1e5], 60.0, 12.0)
     }
 
     fn close(found: f64, expected: f64) {
