@@ -1,6 +1,7 @@
 //! Stability margins of the contour feedback, axis by axis.
 
 use crate::Machine;
+use crate::text::short;
 use crate::uncertainty::Uncertainties;
 use serde::Serialize;
 use std::fmt;
@@ -25,7 +26,11 @@ pub struct FeedbackMargins {
     pub largest_proportional: Option<f64>,
     /// K_i at that ratio, 1/s.
     pub largest_integral_per_s: Option<f64>,
-    /// Margin at the resonances of the axis, dB; `None`: none is stated, or the drive alone is unstable with it.
+    /// Frequency above which any resonance with 2 % damping is assumed, Hz; `None`: the resonance is stated, and no lowest
+    /// one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub assumed_above_hz: Option<f64>,
+    /// Margin at the resonances of the axis, stated or assumed, dB; `None`: the drive alone is unstable with a stated one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resonance_margin_db: Option<f64>,
     /// Frequency of that margin, Hz.
@@ -80,8 +85,8 @@ pub fn feedback_margins_within(machine: &Machine, known: &Uncertainties, servo_r
     let Some(feedback) = machine.settings.contour.feedback else { return Vec::new() };
     let of = |(axis, margins): (Axis, check::Margins)| {
         let resonance = margins.resonance.filter(|margin| margin.value.is_finite());
-        let stated =
-            machine.settings.axis(axis).and_then(|own| own.servo.drive).map_or(0.0, |drive| drive.resonance_hz);
+        let drive = machine.settings.axis(axis).and_then(|own| own.servo.drive);
+        let stated = drive.map_or(0.0, |drive| drive.resonance_hz);
         let share = spread(machine, known, axis).frequency;
         let notch = margins.notch.map(|notch| Notched {
             frequency_hz: notch.frequency_hz,
@@ -100,6 +105,7 @@ pub fn feedback_margins_within(machine: &Machine, known: &Uncertainties, servo_r
             gain_margin_hz: frequency(margins.gain),
             largest_proportional: largest(feedback.proportional),
             largest_integral_per_s: largest(feedback.integral_per_s),
+            assumed_above_hz: drive.as_ref().and_then(check::assumed_lowest_hz),
             resonance_margin_db: value(resonance),
             resonance_margin_hz: frequency(resonance),
             notch,
@@ -121,10 +127,15 @@ impl fmt::Display for FeedbackMargins {
             _ => write!(f, "no lag of 180°")?,
         }
         if let (Some(db), Some(hz)) = (self.resonance_margin_db, self.resonance_margin_hz) {
-            write!(f, ", {db:.1} dB at the resonance, {hz:.0} Hz")?;
+            match self.assumed_above_hz {
+                None => write!(f, ", {db:.1} dB at the resonance, {hz:.0} Hz")?,
+                Some(lowest) => write!(f, ", {db:.1} dB at {hz:.0} Hz with any resonance above {} Hz", short(lowest))?,
+            }
         }
         if let (Some(p), Some(i)) = (self.largest_proportional, self.largest_integral_per_s) {
-            write!(f, "; permitted up to K_p {p:.2}, K_i {i:.1}/s")?;
+            // A small gain keeps two digits.
+            let digits = if p < 0.1 { 3 } else { 2 };
+            write!(f, "; permitted up to K_p {p:.digits$}, K_i {i:.1}/s")?;
         }
         let Some(notch) = &self.notch else { return Ok(()) };
         let [low, high] = notch.robust_hz;

@@ -33,15 +33,6 @@ pub enum Warning {
     },
     /// The machine states no table, grid, squareness, location error, lost motion or growth, so its correction is zero.
     NoErrorsStated,
-    /// Nothing is stated about the resonances of an axis, and the contour feedback could excite one.
-    ResonanceNotStated {
-        /// The axis whose drive permits the least.
-        axis: Axis,
-        /// K_p of the machine.
-        proportional: f64,
-        /// K_p that is safe with any resonance above [`check::ASSUMED_LOWEST_HZ`] and [`check::ASSUMED_DAMPING`].
-        safe: f64,
-    },
     /// At top feed of all axes the correction of a drive changes faster than its slope limit allows.
     SlopeAboveLimit {
         /// The drive.
@@ -200,17 +191,6 @@ impl fmt::Display for Warning {
                 "no errors are stated (no table, grid, squareness, location error, lost motion or growth): no geometry is \
                  corrected",
             ),
-            Warning::ResonanceNotStated { axis, proportional, safe } => {
-                let [lowest, damping] = [check::ASSUMED_LOWEST_HZ, 100.0 * check::ASSUMED_DAMPING];
-                let letter = axis.letter();
-                write!(f, "axis {letter}: nothing is stated about resonances; the contour feedback has K_p {proportional}")?;
-                write!(f, ", and with any resonance above {lowest} Hz of {damping} % damping ")?;
-                match safe > 0.0 {
-                    true => write!(f, "it is safe up to K_p {safe}")?,
-                    false => write!(f, "no K_p is safe")?,
-                }
-                write!(f, "; [axis.{letter}.drive] states resonance_hz and resonance_damping, or lowest_resonance_hz")
-            }
             Warning::SlopeAboveLimit { axis, rate, limit, moving, part } => {
                 let (letter, unit) = (axis.letter(), unit(axis));
                 write!(
@@ -307,7 +287,6 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
     }
     warnings.extend(lost_motion(machine).into_iter().filter(|lost| lost.ramp_in_s > SWIFT_S).map(Warning::SlowRampIn));
     warnings.extend(machine.settings.axes.iter().filter_map(lag_above_limit));
-    warnings.extend(resonance(machine, servo_rate_hz));
     for (settings, table) in machine.axes() {
         let axis = settings.axis;
         let open = AxisSettings::with_defaults(axis, false).travel;
@@ -406,13 +385,6 @@ fn of_grid(machine: &Machine, number: usize, grid: &Grid, warnings: &mut Vec<War
 }
 
 /// Rate of a drive's correction with all axes at top feed.
-/// Whether the contour feedback could excite a resonance that is not stated.
-fn resonance(machine: &Machine, servo_rate_hz: f64) -> Option<Warning> {
-    let proportional = machine.settings.contour.feedback?.proportional;
-    let (axis, safe) = check::safe_proportional(&machine.settings, 1.0 / servo_rate_hz, check::ASSUMED_LOWEST_HZ)?;
-    (proportional > safe).then_some(Warning::ResonanceNotStated { axis, proportional, safe })
-}
-
 fn slope(machine: &Machine, drive: &AxisSettings) -> Option<Warning> {
     let DriveRate { axis, rate, limit, moving, part, .. } = drive_rate(machine, drive)?;
     (rate > limit).then_some(Warning::SlopeAboveLimit { axis, rate, limit, moving, part })

@@ -26,17 +26,17 @@ pub const GAIN_MARGIN_DB: f64 = 12.0;
 /// gain falls from K_v on. The first form alone is safe only if nothing is fed forward; with feed-forward it is off by up
 /// to 20 dB. It is still one of the three because it is the worst for a purely integral gain.
 ///
-/// Where the drive's figures state a resonance, or the lowest one, the gain at it counts as well: that of a motor that
-/// moves a load through a spring, a scale on the load closing the position loop, over gains ±10 %, the resonance ±10 % and
-/// loads of 20 to 80 % of the mass. A notch, if there is one, is part of every loop.
+/// At resonances the gain of the loop counts, whatever its phase: of a motor that moves a load through a spring, a scale on
+/// the load closing the position loop, over gains ±10 %, the stated resonance ±10 % and loads of 20 to 80 % of the mass. If
+/// no resonance is stated, every one above [`super::ASSUMED_LOWEST_HZ`] with [`super::ASSUMED_DAMPING`] counts with which the
+/// drive alone is sound. A notch, if there is one, is part of every loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
     /// Phase margin, degrees; `None` if the gain is below 1 everywhere.
     pub phase: Option<Margin>,
     /// Gain margin, dB; `None` if the phase never lags by 180°.
     pub gain: Option<Margin>,
-    /// Margin at the resonances, dB, whatever the phase there; −∞ if one of them makes the drive alone unstable; `None` if
-    /// none is stated.
+    /// Margin at the resonances, dB, whatever the phase there; −∞ if a stated one makes the drive alone unstable.
     pub resonance: Option<Margin>,
     /// Notch of the feedback at the stated resonance.
     pub notch: Option<Notch>,

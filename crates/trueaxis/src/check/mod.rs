@@ -3,7 +3,6 @@
 //! All checks run at build, in double precision, without allocation; they cost a few lookups per table line.
 
 mod bounds;
-mod design;
 mod drive;
 mod grid;
 mod inverse;
@@ -25,10 +24,10 @@ pub use inverse::{
 pub use margins::{GAIN_MARGIN_DB, Margins, PHASE_MARGIN_DEG};
 pub use notch::Notch;
 pub use open_loop::Margin;
-pub use resonance::{ASSUMED_DAMPING, ASSUMED_LOWEST_HZ, RESONANCE_MARGIN_DB, Spread};
+pub use resonance::{ASSUMED_DAMPING, ASSUMED_LOWEST_HZ, RESONANCE_MARGIN_DB, Spread, assumed_lowest_hz};
 pub use reversal::{HYSTERESIS_PER_STEP, lost_motion, reversal};
-pub use servo::{feedback, feedback_margins, feedback_margins_within, feedback_within, safe_proportional};
 pub(crate) use servo::{notches, of_dynamic};
+pub use servo::{feedback, feedback_margins, feedback_margins_within, feedback_within};
 pub use volumetric::{angular_tip_error, tip_rate};
 
 use crate::error::{ConfigError, Field};

@@ -7,9 +7,6 @@ const POINTS: u16 = 512;
 /// Bisections of the interval between two evaluated frequencies: accurate to one part in 10⁹.
 const HALVINGS: u8 = 40;
 
-/// Sections of the interval about the largest of closely spaced values: to 1 part in 10⁴ of a frequency.
-const FEWER: u8 = 12;
-
 /// A margin and its frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
@@ -22,9 +19,9 @@ pub struct Margin {
 /// L(s) = N(s)/D(s) · e^(−s T) · F(s), coefficients of N and D from the constant term on, T in s, F a notch if there is
 /// one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct OpenLoop<const N: usize, const D: usize> {
-    pub(super) numerator: [f64; N],
-    pub(super) denominator: [f64; D],
+pub(super) struct OpenLoop {
+    pub(super) numerator: [f64; 4],
+    pub(super) denominator: [f64; 6],
     pub(super) dead_time_s: f64,
     pub(super) notch: Option<Sampled>,
 }
@@ -42,7 +39,7 @@ fn at(polynomial: &[f64], omega: f64) -> [f64; 2] {
     polynomial.iter().rev().fold([0.0, 0.0], |[re, im], c| [c - omega * im, omega * re])
 }
 
-pub(super) fn size([re, im]: [f64; 2]) -> f64 {
+fn size([re, im]: [f64; 2]) -> f64 {
     libm::hypot(re, im)
 }
 
@@ -50,7 +47,7 @@ pub(super) fn decibels(gain: f64) -> f64 {
     20.0 * libm::log10(gain)
 }
 
-impl<const N: usize, const D: usize> OpenLoop<N, D> {
+impl OpenLoop {
     /// L(jω).
     pub(super) fn at(&self, omega: f64) -> [f64; 2] {
         let ([a, b], [c, d]) = (at(&self.numerator, omega), at(&self.denominator, omega));
@@ -61,22 +58,6 @@ impl<const N: usize, const D: usize> OpenLoop<N, D> {
         let Some(notch) = &self.notch else { return [re, im] };
         let [a, b] = notch.at(omega);
         [re * a - im * b, re * b + im * a]
-    }
-
-    /// The largest gain between two frequencies, with its frequency, from values `ratio` apart.
-    pub(super) fn largest(&self, [low, high]: [f64; 2], ratio: f64) -> [f64; 2] {
-        let points = libm::ceil(libm::log(high / low) / libm::log(ratio)) as u16;
-        let mut found = [low, size(self.at(low))];
-        let mut omega = low;
-        for _ in 0..points {
-            omega *= ratio;
-            let gain = size(self.at(omega));
-            if gain > found[1] {
-                found = [omega, gain];
-            }
-        }
-        let peak = self.peak_within([found[0] / ratio, found[0] * ratio], FEWER);
-        if peak[1] > found[1] { peak } else { found }
     }
 
     /// The margins between two angular frequencies, 1/s. `least_phase_deg` (up to 90) and `least_gain_db` are the
@@ -129,13 +110,9 @@ impl<const N: usize, const D: usize> OpenLoop<N, D> {
     }
 
     /// The largest gain between two frequencies, with its frequency, by golden-section search.
-    fn peak(&self, range: [f64; 2]) -> [f64; 2] {
-        self.peak_within(range, HALVINGS)
-    }
-
-    fn peak_within(&self, [mut low, mut high]: [f64; 2], sections: u8) -> [f64; 2] {
+    fn peak(&self, [mut low, mut high]: [f64; 2]) -> [f64; 2] {
         const SECTION: f64 = 0.381_966_011_250_105_15;
-        for _ in 0..sections {
+        for _ in 0..HALVINGS {
             let (left, right) = (low + SECTION * (high - low), high - SECTION * (high - low));
             if size(self.at(left)) < size(self.at(right)) {
                 low = left;

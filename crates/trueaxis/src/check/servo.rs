@@ -1,8 +1,8 @@
 //! Checks of drives, friction, dynamic correction, contour feedback and cross-talk.
 
-use super::design::{chosen, margins};
 use super::drive::{is_stable, stiffness};
 use super::margins::{Closed, Margins};
+use super::resonance::{chosen, margins};
 use super::{Notch, RESONANCE_MARGIN_DB, Spread, need};
 use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, AxisSettings, DriveFigures, MachineSettings};
@@ -125,19 +125,6 @@ pub(crate) fn notches(machine: &MachineSettings, period_s: f64) -> impl Iterator
     loops(machine, period_s).filter_map(|(axis, closed)| Some((axis, chosen(&closed)?)))
 }
 
-/// The largest K_p, at the machine's ratio of the gains, that is safe on every linear axis of which no resonance is stated,
-/// with any resonance above `lowest_hz` and [`super::ASSUMED_DAMPING`]; with the axis that limits it. `None` without such an
-/// axis, or without proportional feedback.
-pub fn safe_proportional(machine: &MachineSettings, period_s: f64, lowest_hz: f64) -> Option<(Axis, f64)> {
-    let unknown = |drive: &DriveFigures| drive.resonance_hz == 0.0 && drive.lowest_resonance_hz == 0.0;
-    let all = loops(machine, period_s)
-        .filter(|(_, closed)| closed.feedback.proportional > 0.0 && unknown(closed.drive))
-        .map(|(axis, closed)| {
-            (axis, rounded_down(closed.feedback.proportional * super::design::safe_factor(&closed, lowest_hz)))
-        });
-    all.reduce(|least, next| if next.1 < least.1 { next } else { least })
-}
-
 /// Refuses gains of the contour feedback that leave less than [`super::PHASE_MARGIN_DEG`], [`super::GAIN_MARGIN_DB`] or
 /// [`super::RESONANCE_MARGIN_DB`] on an axis at this servo period, s (0: not known yet). [`Margins`] lists the loops.
 ///
@@ -170,14 +157,19 @@ pub fn feedback_within(
         false => (Field::Integral, settings.integral_per_s),
     };
     let resonant = margins.resonance.is_some_and(|margin| factor * margin_factor(margin.value) <= 1.0 + 1e-9);
+    let known = machine.axis(axis).and_then(|own| own.servo.drive).is_some_and(|drive| drive.states_resonance());
     let needed = match (proportional, resonant) {
         _ if factor == 0.0 => NO_GAIN,
         (true, false) => {
             "60 degrees of phase margin and 12 dB of gain margin; at this ratio of the gains it may be at most"
         }
         (false, false) => "60 degrees of phase margin and 12 dB of gain margin; it may be at most",
-        (true, true) => "6 dB of margin at the resonances of the axis; at this ratio of the gains it may be at most",
-        (false, true) => "6 dB of margin at the resonances of the axis; it may be at most",
+        (true, true) if known => {
+            "6 dB of margin at the resonances of the axis; at this ratio of the gains it may be at most"
+        }
+        (false, true) if known => "6 dB of margin at the resonances of the axis; it may be at most",
+        (true, true) => UNKNOWN_RATIO,
+        (false, true) => UNKNOWN,
     };
     let error = ConfigError::new(field, found, needed).on(axis);
     need(factor >= 1.0, ConfigError { bound: Some(rounded_down(found * factor)), ..error })
@@ -185,6 +177,12 @@ pub fn feedback_within(
 
 const NO_GAIN: &str = "a drive that is stable by itself with gains and resonance 10 % off: no gain is safe; without \
                        [contour.feedback] the feed-forward still works; it may be at most";
+
+const UNKNOWN: &str = "6 dB of margin at any resonance above 100 Hz with 2 % damping, because none is stated \
+                       (resonance_hz and resonance_damping, or lowest_resonance_hz); it may be at most";
+const UNKNOWN_RATIO: &str = "6 dB of margin at any resonance above 100 Hz with 2 % damping, because none is stated \
+                             (resonance_hz and resonance_damping, or lowest_resonance_hz); at this ratio of the gains it \
+                             may be at most";
 
 /// The present gain at the resonances over the permitted one.
 fn margin_factor(margin_db: f64) -> f64 {

@@ -31,7 +31,8 @@ pub struct DriveFigures {
     pub resonance_hz: f64,
     /// Damping of the resonance, share of critical; 0: not stated.
     pub resonance_damping: f64,
-    /// Frequency below which the axis has no resonance, Hz; 0: not stated.
+    /// Frequency below which the axis has no resonance, Hz; 0: not stated, which assumes 100 Hz unless the resonance is
+    /// stated.
     pub lowest_resonance_hz: f64,
 }
 
@@ -50,6 +51,11 @@ impl DriveFigures {
             resonance_damping: 0.0,
             lowest_resonance_hz: 0.0,
         }
+    }
+
+    /// Whether the resonance, or the lowest one, is stated.
+    pub fn states_resonance(&self) -> bool {
+        self.resonance_hz > 0.0 || self.lowest_resonance_hz > 0.0
     }
 
     /// Lag of the drive at a constant velocity without its dead time, (1 − k_ff)/K_v, s.
