@@ -71,7 +71,7 @@ pub(crate) fn drive() -> DriveFigures {
         dead_time_s: 0.0,
         resonance_hz: 0.0,
         resonance_damping: 0.0,
-        lowest_resonance_hz: 0.0,
+        lowest_resonance_hz: 5000.0,
     }
 }
 
