@@ -11,7 +11,7 @@ use std::sync::{Mutex, PoisonError};
 use trueaxis::Dynamics;
 use trueaxis_testing::noise::Noise;
 
-pub use plant::Plant;
+pub use plant::{Plant, Resonance};
 pub use run::{Outcome, Shape, Size};
 pub use tally::{Row, Tally};
 
@@ -36,7 +36,7 @@ pub struct Case {
     pub shape: Shape,
     /// Feed, mm/s.
     pub feed_mm_per_s: f64,
-    /// Gains of the feedback, proportional and integral (1/s): the largest up to 0.3 and 10 that are accepted.
+    /// Gains of the feedback, proportional and integral (1/s): 10 and the largest of a list up to 0.3 that is accepted.
     pub gains: Option<[f64; 2]>,
     /// Without any part.
     pub off: Outcome,
@@ -46,13 +46,13 @@ pub struct Case {
 
 impl Case {
     /// Draws the plant of a number and runs it; adds to `refused` the unsound ones on the way.
-    pub fn run(seed: u64, number: usize, refused: &mut usize) -> Case {
+    pub fn run(seed: u64, number: usize, resonance: Resonance, refused: &mut usize) -> Case {
         let mut random = Noise::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64));
         let plant = Plant::draw(&mut random, refused);
         let shape = [Shape::Circle, Shape::Line][number % 2];
         // 0.3 to 12 m/min.
         let feed_mm_per_s = 5.0 * 40.0_f64.powf(random.unit());
-        run::run(number, plant, shape, feed_mm_per_s)
+        run::run(number, plant, shape, feed_mm_per_s, resonance)
     }
 }
 
@@ -61,6 +61,7 @@ impl Case {
 pub fn trial(
     seed: u64,
     plants: usize,
+    resonance: Resonance,
     jobs: usize,
     stop: &AtomicBool,
     progress: impl Fn() + Sync,
@@ -74,7 +75,7 @@ pub fn trial(
                 return;
             }
             let mut refused = 0;
-            let case = Case::run(seed, number, &mut refused);
+            let case = Case::run(seed, number, resonance, &mut refused);
             let mut results = results.lock().unwrap_or_else(PoisonError::into_inner);
             results.0.push(case);
             results.1 += refused;

@@ -2,7 +2,7 @@
 
 use super::common_lag::DriveUncertainty;
 use super::section::Section;
-use super::uncertainty_toml::{resonance_uncertainty, uncertainties_of};
+use super::uncertainty_toml::{of_resonance, uncertainties_of};
 use super::units::{degrees_from_urad, from_um, per_second, same};
 use crate::error::FileError;
 use trueaxis::machine::{Axis, AxisServo, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings};
@@ -47,11 +47,19 @@ fn read_drive(section: Section<'_>) -> Result<(DriveFigures, DriveUncertainty), 
     section.store(&mut drive.velocity_feed_forward, "velocity_feed_forward", same)?;
     section.store(&mut drive.current_loop_s, "current_loop_s", same)?;
     section.store(&mut drive.dead_time_s, "dead_time_s", same)?;
-    read_resonance(&section, &mut drive)?;
     let [position_gain_per_s, velocity_feed_forward, ..] = uncertainties_of(
         &section,
-        ["position_gain_per_s", "velocity_feed_forward", "velocity_gain_per_s", "reset_time_s", "dead_time_s"],
+        [
+            "position_gain_per_s",
+            "velocity_feed_forward",
+            "velocity_gain_per_s",
+            "reset_time_s",
+            "dead_time_s",
+            "resonance_hz",
+            "resonance_damping",
+        ],
     )?;
+    read_resonance(&section, &mut drive)?;
     section.finish(None)?;
     Ok((drive, DriveUncertainty { position_gain_per_s, velocity_feed_forward }))
 }
@@ -61,6 +69,10 @@ fn read_resonance(section: &Section<'_>, drive: &mut DriveFigures) -> Result<(),
     let resonance = section.number("resonance_hz")?;
     let damping = section.number("resonance_damping")?;
     let lowest = section.number("lowest_resonance_hz")?;
+    if resonance.is_some() && damping.is_none() {
+        let needed = "the damping of the resonance, a share of critical: without it resonance_hz bounds no gain";
+        return Err(section.missing_here("resonance_damping", needed));
+    }
     for (figure, found, range) in [
         (&mut drive.resonance_hz, &resonance, RESONANCE),
         (&mut drive.resonance_damping, &damping, RESONANCE_DAMPING),
@@ -72,18 +84,14 @@ fn read_resonance(section: &Section<'_>, drive: &mut DriveFigures) -> Result<(),
         }
         *figure = found.value;
     }
-    if resonance.is_some() && damping.is_none() {
-        let needed = "the damping of the resonance, a share of critical: without it resonance_hz bounds no gain";
-        return Err(section.missing_here("resonance_damping", needed));
-    }
-    let uncertainty = resonance_uncertainty(section)?;
-    for (stated, of, what) in
-        [(&uncertainty[0], resonance, "resonance_hz"), (&uncertainty[1], damping, "resonance_damping")]
+    for (uncertainty, (key, of)) in
+        of_resonance(section)?.into_iter().zip([("resonance_hz", resonance), ("resonance_damping", damping)])
     {
-        let Some(stated) = stated else { continue };
+        let Some(uncertainty) = uncertainty else { continue };
         // The expanded uncertainty, k = 2, must leave a figure above zero.
-        if of.is_none_or(|of| 2.0 * stated.value >= of.value) {
-            return Err(section.wrong(stated, format!("less than half of {what}, which is stated beside it")));
+        if of.is_none_or(|of| 2.0 * uncertainty.value >= of.value) {
+            let needed = format!("less than half of {key}, as the drive states it");
+            return Err(section.wrong(&uncertainty, needed));
         }
     }
     Ok(())

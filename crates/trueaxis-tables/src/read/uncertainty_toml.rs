@@ -75,15 +75,10 @@ pub(super) fn uncertainties_of<const N: usize>(figures: &Section<'_>, keys: [&st
     Ok(found)
 }
 
-/// Standard uncertainties of resonance (Hz) and damping, which are not compiled.
-pub(super) fn resonance_uncertainty(section: &Section<'_>) -> Result<[Option<KeyValue<f64>>; 2], FileError> {
-    let found = [section.number("resonance_u_hz")?, section.number("resonance_damping_u")?];
-    for stated in found.iter().flatten() {
-        if stated.value < 0.0 {
-            return Err(section.wrong(stated, "a standard uncertainty of at least 0"));
-        }
-    }
-    Ok(found)
+/// Standard uncertainties of the resonance (Hz) and the damping of a drive, which are not compiled.
+pub(super) fn of_resonance(drive: &Section<'_>) -> Result<[Option<KeyValue<f64>>; 2], FileError> {
+    let Some(section) = drive.section("uncertainty")? else { return Ok([None, None]) };
+    Ok([section.number("resonance_hz")?, section.number("resonance_damping")?])
 }
 
 /// Instrument and location errors of the machine with these axes, without the sections of the axes.
@@ -146,7 +141,7 @@ fn read_location(section: Section<'_>, axes: &[Axis]) -> Result<LocationUncertai
 pub(super) fn read_axis(axis: &Section<'_>, of: Axis) -> Result<AxisUncertainty, FileError> {
     let mut found = AxisUncertainty::unstated(of);
     if let Some(drive) = axis.section("drive")? {
-        let [resonance, damping] = resonance_uncertainty(&drive)?.map(|stated| stated.map(|stated| stated.value));
+        let [resonance, damping] = of_resonance(&drive)?.map(|stated| stated.map(|stated| stated.value));
         (found.resonance_hz, found.resonance_damping) = (resonance, damping);
     }
     let Some(section) = axis.section("uncertainty")? else { return Ok(found) };

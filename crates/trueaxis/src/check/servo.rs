@@ -156,7 +156,7 @@ pub fn feedback_within(
         true => (Field::Proportional, settings.proportional),
         false => (Field::Integral, settings.integral_per_s),
     };
-    let resonant = margins.resonance.is_some_and(|margin| factor * margin_factor(margin.value) <= 1.0 + 1e-9);
+    let resonant = margins.resonance.is_some_and(|margin| factor * margin_factor(margin.value) >= 1.0 - 1e-9);
     let known = machine.axis(axis).and_then(|own| own.servo.drive).is_some_and(|drive| drive.states_resonance());
     let needed = match (proportional, resonant) {
         _ if factor == 0.0 => NO_GAIN,
