@@ -168,7 +168,7 @@ fn an_uncertain_resonance_costs_gain() {
     let stated = most(None, None);
     assert_eq!(most(Some(5.9), None), stated);
     let [frequency, damping] = [most(Some(15.0), None), most(None, Some(0.005))];
-    assert!(frequency < 0.95 * stated && damping < 0.97 * stated, "{stated} {frequency} {damping}");
+    assert!(frequency < 0.6 * stated && damping < 0.99 * stated, "{stated} {frequency} {damping}");
 }
 
 /// Without figures any resonance above 100 Hz with which the drive alone is sound must be harmless.

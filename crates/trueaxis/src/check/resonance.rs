@@ -196,24 +196,11 @@ impl Plants<'_> {
                 * self.notched(omega)
         };
         let own_gain = |omega: f64| square(&alone, omega) / square(&denominator, omega);
-        let low = 0.5 * masses.omega * libm::sqrt(1.0 - masses.share);
-        let high = 4.0 * masses.omega;
-        let mut found = [low, loop_gain(low)];
-        let mut omega = low;
-        for _ in 0..POINTS {
-            if only_sound && own_gain(omega) > SOUND * SOUND {
-                return None;
-            }
-            let gain = loop_gain(omega);
-            if gain > found[1] {
-                found = [omega, gain];
-            }
-            omega *= STEP;
-            if omega > high {
-                break;
-            }
+        let range = [0.5 * masses.omega * libm::sqrt(1.0 - masses.share), 4.0 * masses.omega];
+        if only_sound && largest(range, own_gain)[1] > SOUND * SOUND {
+            return None;
         }
-        let [omega, gain] = top(found, loop_gain);
+        let [omega, gain] = largest(range, loop_gain);
         Some(Peak { gain: libm::sqrt(gain), omega })
     }
 
@@ -223,10 +210,23 @@ impl Plants<'_> {
     }
 }
 
-/// The top of a peak between two neighbours of an evaluated frequency, by golden-section search to one part in 10⁴.
-fn top(found: [f64; 2], gain: impl Fn(f64) -> f64) -> [f64; 2] {
+/// The largest gain between two frequencies, with its frequency; a peak to one part in 10⁴ of its frequency, by golden-section
+/// search between the neighbours of an evaluated frequency.
+fn largest([lowest, highest]: [f64; 2], gain: impl Fn(f64) -> f64) -> [f64; 2] {
     const SECTION: f64 = 0.381_966_011_250_105_15;
-    let [mut low, mut high] = [found[0] / STEP, found[0] * STEP];
+    let mut found = [lowest, gain(lowest)];
+    let mut omega = lowest;
+    for _ in 0..POINTS {
+        omega *= STEP;
+        if omega > highest {
+            break;
+        }
+        let gain = gain(omega);
+        if gain > found[1] {
+            found = [omega, gain];
+        }
+    }
+    let [mut low, mut high] = [lowest.max(found[0] / STEP), found[0] * STEP];
     for _ in 0..12 {
         let (left, right) = (low + SECTION * (high - low), high - SECTION * (high - low));
         if gain(left) < gain(right) {
