@@ -7,8 +7,11 @@ use std::path::Path;
 use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::files::Source;
+use trueaxis_tables::uncertainty::Uncertainties;
 use trueaxis_tables::{DynamicNeed, FeedbackMargins, LostMotion, Machine, Summary, Warning};
-use trueaxis_tables::{build, check, compile, dynamic_needs, feedback_margins, lost_motion, summary};
+use trueaxis_tables::{
+    build, check, compile, dynamic_needs, feedback_margins_within, feedback_within, lost_motion, summary,
+};
 
 /// Refuses a servo rate that no controller has, Hz.
 ///
@@ -26,7 +29,8 @@ pub fn rate(rate_hz: f64) -> Result<()> {
 pub fn compiled(machine: &Machine, files: &dyn Source, name: &Path, rate_hz: f64) -> Result<Vec<u8>> {
     rate(rate_hz)?;
     let bytes = compile(machine).map_err(|error| Machine::refusal(files, name, &error))?;
-    build(machine, rate_hz).map_err(|error| {
+    let known = Uncertainties::read_from(files, name)?;
+    build(machine, rate_hz).and_then(|()| feedback_within(machine, &known, rate_hz)).map_err(|error| {
         let refusal = Machine::refusal(files, name, &error);
         FileError { needed: format!("{} (at {rate_hz} Hz)", refusal.needed), ..refusal }
     })?;
@@ -48,12 +52,12 @@ pub struct Findings {
     pub summary: Summary,
 }
 
-/// Checks a machine and its compiled form at a servo rate, Hz.
-pub fn findings(machine: &Machine, tables: &Tcomp<'_>, rate_hz: f64) -> Findings {
+/// Checks a machine, its stated uncertainties and its compiled form at a servo rate, Hz.
+pub fn findings(machine: &Machine, known: &Uncertainties, tables: &Tcomp<'_>, rate_hz: f64) -> Findings {
     Findings {
         warnings: check(machine, rate_hz),
         lost_motion: lost_motion(machine),
-        margins: feedback_margins(machine, rate_hz),
+        margins: feedback_margins_within(machine, known, rate_hz),
         dynamic_needs: dynamic_needs(machine),
         summary: summary(tables),
     }

@@ -14,6 +14,9 @@ const DRIVE: DriveFigures = DriveFigures {
     velocity_feed_forward: 0.93,
     current_loop_s: 2.5e-4,
     dead_time_s: 0.0,
+    resonance_hz: 0.0,
+    resonance_damping: 0.0,
+    lowest_resonance_hz: 0.0,
 };
 const FRICTION: FrictionSettings = FrictionSettings {
     coulomb_per_s: 0.525,

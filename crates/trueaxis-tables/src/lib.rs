@@ -34,7 +34,7 @@ pub use document::Edited;
 pub use dynamic_needs::{DynamicNeed, dynamic_needs};
 pub use grid::{Grid, GridSource, TooFine};
 pub use lost_motion::{LostMotion, lost_motion};
-pub use margins::{FeedbackMargins, feedback_margins};
+pub use margins::{FeedbackMargins, Notched, feedback_margins, feedback_margins_within, feedback_within};
 pub use output::write_atomically;
 pub use rates::{DriveRate, rates};
 pub use read::keys::{Keys, Written};

@@ -67,6 +67,10 @@ pub struct AxisUncertainty {
     pub columns: [Option<f64>; 6],
     /// Every point separately, from the columns `…_u_…` of the axis' CSV; these take precedence over `columns`.
     pub points: [Option<Vec<f64>>; 6],
+    /// Resonance of the drive, Hz.
+    pub resonance_hz: Option<f64>,
+    /// Damping of that resonance, share of critical.
+    pub resonance_damping: Option<f64>,
     /// Degrees of freedom of these figures; `None`: well known.
     pub degrees_of_freedom: Option<f64>,
     /// Degrees of freedom of single figures, by name as `backlash` or `EXX`; they take precedence over `degrees_of_freedom`.
@@ -88,6 +92,8 @@ impl AxisUncertainty {
             repeatability: None,
             columns: [None; 6],
             points: Default::default(),
+            resonance_hz: None,
+            resonance_damping: None,
             degrees_of_freedom: None,
             own_degrees_of_freedom: Vec::new(),
         }

@@ -229,9 +229,12 @@ fn a_compiled_grid_comes_back_and_no_damage_passes() {
             }
         }
     }
-    // Files without grids are unchanged: version 4. With encoder steps it is 6, with or without grids.
+    // Files without grids are unchanged: version 4. With encoder steps it is 6, with or without grids; with resonances 7.
     let sample = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../compensation-tables/mill-3axis"));
     let mut table = Machine::read(sample).unwrap();
+    assert_eq!(compile(&table).unwrap()[8..10], [7, 0]);
+    table.settings.contour.feedback = None;
+    table.settings.axes.iter_mut().for_each(|axis| axis.servo.drive.as_mut().unwrap().lowest_resonance_hz = 0.0);
     assert_eq!(compile(&table).unwrap()[8..10], [6, 0]);
     table.settings.axes.iter_mut().for_each(|axis| axis.encoder_resolution = None);
     assert_eq!(compile(&table).unwrap()[8..10], [4, 0]);

@@ -36,6 +36,9 @@ reset_time_s = 0.006
 velocity_feed_forward = 0.9
 current_loop_s = 0.0003
 dead_time_s = 0.0001
+resonance_hz = 300
+resonance_damping = 0.05
+lowest_resonance_hz = 300
 [axis.X.friction]
 coulomb_mm_per_s = 0.5
 presliding_um = 7
@@ -75,6 +78,9 @@ reset_time_s = 0.006
 velocity_feed_forward = 0.9
 current_loop_s = 0.0003
 dead_time_s = 0.0001
+resonance_hz = 300
+resonance_damping = 0.05
+lowest_resonance_hz = 200
 [axis.C.friction]
 coulomb_deg_per_s = 0.5
 presliding_urad = 7
@@ -226,6 +232,9 @@ const WRONG: &[(&str, &str)] = &[
     ("axis.X.drive.velocity_feed_forward", "1.1"),
     ("axis.X.drive.current_loop_s", "0"),
     ("axis.X.drive.dead_time_s", "-0.001"),
+    ("axis.X.drive.resonance_hz", "0"),
+    ("axis.X.drive.resonance_damping", "1"),
+    ("axis.X.drive.lowest_resonance_hz", "400"),
     ("axis.X.friction.coulomb_mm_per_s", "-1"),
     ("axis.X.friction.presliding_um", "0"),
     ("axis.X.friction.stribeck_share", "-0.1"),
@@ -244,6 +253,9 @@ const WRONG: &[(&str, &str)] = &[
     ("axis.C.drive.velocity_feed_forward", "1.1"),
     ("axis.C.drive.current_loop_s", "0"),
     ("axis.C.drive.dead_time_s", "-0.001"),
+    ("axis.C.drive.resonance_hz", "1e5"),
+    ("axis.C.drive.resonance_damping", "-0.1"),
+    ("axis.C.drive.lowest_resonance_hz", "0.1"),
     ("axis.C.friction.coulomb_deg_per_s", "-1"),
     ("axis.C.friction.presliding_urad", "0"),
     ("axis.C.friction.stribeck_share", "-0.1"),

@@ -31,6 +31,9 @@ measured_at_mm = [0.0, 0.0, 0.0]
 position_gain_per_s = 110
 velocity_gain_per_s = 800
 reset_time_s = 0.006
+resonance_hz = 400
+resonance_damping = 0.02
+lowest_resonance_hz = 400
 [axis.X.drive.uncertainty]
 [axis.X.friction]
 coulomb_mm_per_s = 0.5
@@ -49,6 +52,9 @@ measured_at_mm = [0.0, 0.0, 0.0]
 position_gain_per_s = 110
 velocity_gain_per_s = 800
 reset_time_s = 0.006
+resonance_hz = 400
+resonance_damping = 0.02
+lowest_resonance_hz = 400
 [axis.Y.friction]
 coulomb_mm_per_s = 0.5
 presliding_um = 7.0
@@ -65,6 +71,9 @@ measured_at_mm = [0.0, 0.0, 0.0]
 position_gain_per_s = 110
 velocity_gain_per_s = 800
 reset_time_s = 0.006
+resonance_hz = 400
+resonance_damping = 0.02
+lowest_resonance_hz = 400
 [axis.Z.friction]
 coulomb_mm_per_s = 0.5
 presliding_um = 7.0
@@ -81,6 +90,9 @@ measured_at_mm = [0.0, 0.0, 0.0]
 position_gain_per_s = 110
 velocity_gain_per_s = 800
 reset_time_s = 0.006
+resonance_hz = 400
+resonance_damping = 0.02
+lowest_resonance_hz = 400
 [axis.C.friction]
 coulomb_deg_per_s = 0.5
 presliding_urad = 7.0
@@ -364,7 +376,8 @@ fn gauged() -> Machine {
         axis.servo.friction = Some(FrictionSettings::with_defaults(0.5, 0.007));
         axis.servo.dynamic = Some(DynamicSettings::with_defaults(axis.axis));
     }
-    machine.settings.contour.feedback = Some(FeedbackSettings::default());
+    machine.settings.contour.feedback =
+        Some(FeedbackSettings { proportional: 0.03, integral_per_s: 1.0, ..FeedbackSettings::default() });
     let points = [[0.0, 1e-6], [100.0, 2e-6]].into_iter().collect();
     let crosstalk = CrosstalkSettings { tip: Axis::X, from: Axis::Z, over: Axis::X, points };
     machine.settings.crosstalk.push(crosstalk).unwrap();

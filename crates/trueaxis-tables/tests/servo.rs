@@ -22,6 +22,7 @@ reset_time_s = 0.006
 velocity_feed_forward = 0.93
 current_loop_s = 0.0003
 dead_time_s = 0.0005
+lowest_resonance_hz = 10000
 [axis.X.friction]
 coulomb_mm_per_s = 0.5
 presliding_um = 7.2
@@ -52,6 +53,7 @@ acceleration_deg_per_s2 = 250
 position_gain_per_s = 100
 velocity_gain_per_s = 700
 reset_time_s = 0.007
+lowest_resonance_hz = 10000
 [contour.feedback]
 proportional = 0.25
 integral_per_s = 8
@@ -87,6 +89,8 @@ fn every_key_arrives_in_its_unit() {
             velocity_feed_forward: 0.93,
             current_loop_s: 0.0003,
             dead_time_s: 0.0005,
+            lowest_resonance_hz: 10_000.0,
+            ..DriveFigures::with_defaults(0.0, 0.0, 0.0)
         })
     );
     assert_eq!(
@@ -243,7 +247,7 @@ fn wrong_sections_are_refused_at_their_lines() {
 #[test]
 fn refusals_by_the_checks_name_their_line() {
     let drive = "position_gain_per_s = 110\nvelocity_gain_per_s = 800\nreset_time_s = 0.006\n\
-                 velocity_feed_forward = 0.93\ncurrent_loop_s = 0.0003\ndead_time_s = 0.0005\n";
+                 velocity_feed_forward = 0.93\ncurrent_loop_s = 0.0003\ndead_time_s = 0.0005\nlowest_resonance_hz = 10000\n";
     let without = MACHINE.replace(&format!("[axis.X.drive]\n{drive}"), "");
     let no_friction = without.replace("[axis.X.friction]", "[axis.Z.friction]");
     let no_lag = no_friction.replace("lag = true", "lag = false");

@@ -38,11 +38,16 @@ fn file(id: u32, payload: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// A sample without stated encoders: version 4 of the format.
+/// A sample without stated encoders and resonances: version 4 of the format.
 fn sample() -> Machine {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-5axis");
     let mut machine = Machine::read(&folder).unwrap();
-    machine.settings.axes.iter_mut().for_each(|axis| axis.encoder_resolution = None);
+    for axis in &mut machine.settings.axes {
+        axis.encoder_resolution = None;
+        axis.servo.drive.as_mut().unwrap().lowest_resonance_hz = 0.0;
+    }
+    let feedback = machine.settings.contour.feedback.as_mut().unwrap();
+    (feedback.proportional, feedback.integral_per_s) = (0.03, 1.0);
     machine
 }
 
@@ -174,8 +179,9 @@ fn servo_settings_are_where_documented() {
         lead_s: 2e-4,
     });
     x.dynamic = Some(DynamicSettings { limits, lag: true, acceleration: false, take_up: true, lag_s: 0.0 });
+    // With any resonance above 100 Hz no larger gain is safe.
     machine.settings.contour.feedback =
-        Some(FeedbackSettings { proportional: 0.25, integral_per_s: 8.0, max_feed_per_s: 150.0, watch_mm: 0.02 });
+        Some(FeedbackSettings { proportional: 0.03, integral_per_s: 1.0, max_feed_per_s: 150.0, watch_mm: 0.02 });
     let points = [[0.0, 1e-6], [300.0, 2e-6]].into_iter().collect();
     let crosstalk = CrosstalkSettings { tip: Axis::X, from: Axis::Z, over: Axis::C, points };
     machine.settings.crosstalk.push(crosstalk).unwrap();
@@ -204,7 +210,7 @@ fn servo_settings_are_where_documented() {
     expected.splice(crosstalk..=crosstalk, bytes(&[1, 0, 2, 5, 2], &[0.0, 1e-6, 300.0, 2e-6], &[]));
     expected.splice(axes + 2 * axis - 3..axes + 2 * axis - 2, drive.clone());
     expected.splice(axes + axis - 3..axes + axis, [drive, friction, dynamic].concat());
-    expected.splice(feedback..=feedback, bytes(&[1], &[0.25, 8.0, 150.0, 0.02], &[]));
+    expected.splice(feedback..=feedback, bytes(&[1], &[0.03, 1.0, 150.0, 0.02], &[]));
     assert_eq!(compiled, file(crc32(b"small\nw C' X' b Z t"), &expected));
 }
 

@@ -159,6 +159,10 @@ pub const CURRENT_LOOP: Range = Range::new(1e-6, 0.1, "a time of 1e-6 to 0.1 s")
 pub const DEAD_TIME: Range = Range::new(0.0, 0.1, "a time of 0 to 0.1 s");
 /// Lag that all axes compensate in common: that of the slowest position loop at most.
 pub const COMMON_LAG: Range = Range::new(0.0, 10.0, "a lag of 0 to 10 s");
+/// Resonance of an axis: a large gantry has some hertz, a linear motor some hundred.
+pub const RESONANCE: Range = Range::new(1.0, 1e4, "a frequency of 1 to 10000 Hz");
+/// Damping of a resonance, share of critical.
+pub const RESONANCE_DAMPING: Range = Range::new(1e-3, 0.9, "a share of critical damping of 0.001 to 0.9");
 /// Share of a velocity that is fed forward.
 pub const SHARE: Range = Range::new(0.0, 1.0, "a share of 0 to 1");
 /// Coulomb friction over the gain of the velocity loop: a velocity.

@@ -5,7 +5,7 @@ use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use trueaxis_tests::trial::{Bands, Case, Tally, trial};
+use trueaxis_tests::trial::{Bands, Case, Conditions, Resonance, Tally, trial};
 
 /// Runs plants of a family without and with the parts of the dynamic correction, and counts those that get worse by more
 /// than 5 %.
@@ -23,6 +23,9 @@ struct TrialArgs {
     /// Without side load and chatter.
     #[arg(long)]
     quiet: bool,
+    /// Tell the plugin the resonance of each drive, as if identified.
+    #[arg(long)]
+    stated: bool,
     /// Only the plant with this number, as JSON.
     #[arg(long)]
     plant: Option<usize>,
@@ -33,8 +36,10 @@ struct TrialArgs {
 
 fn main() -> Result<()> {
     let arguments = TrialArgs::parse();
+    let resonance = if arguments.stated { Resonance::Stated } else { Resonance::Unknown };
+    let conditions = Conditions { resonance, quiet: arguments.quiet };
     if let Some(number) = arguments.plant {
-        println!("{}", serde_json::to_string_pretty(&Case::run(arguments.seed, number, arguments.quiet, &mut 0))?);
+        println!("{}", serde_json::to_string_pretty(&Case::run(arguments.seed, number, conditions, &mut 0))?);
         return Ok(());
     }
     let bar = ProgressBar::new(arguments.plants as u64);
@@ -42,7 +47,7 @@ fn main() -> Result<()> {
     static STOP: AtomicBool = AtomicBool::new(false);
     ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed))?;
     let jobs = arguments.jobs.unwrap_or(std::thread::available_parallelism().map_or(1, usize::from)).max(1);
-    let (cases, unsound) = trial(arguments.seed, arguments.plants, arguments.quiet, jobs, &STOP, || bar.inc(1));
+    let (cases, unsound) = trial(arguments.seed, arguments.plants, conditions, jobs, &STOP, || bar.inc(1));
     bar.finish_and_clear();
     let head = format!(
         "seed {}: {} plants; {unsound} more were drawn whose drives are not sound by themselves\n\

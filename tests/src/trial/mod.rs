@@ -15,7 +15,7 @@ use trueaxis_testing::noise::Noise;
 
 pub use cut::Cut;
 pub use error::Size;
-pub use plant::Plant;
+pub use plant::{Plant, Resonance};
 pub use run::{Outcome, Shape};
 pub use tally::{Bands, Improvement, Row, Tally};
 
@@ -42,7 +42,7 @@ pub struct Case {
     pub feed_mm_per_s: f64,
     /// Side load and chatter.
     pub cut: Cut,
-    /// Gains of the feedback, proportional and integral (1/s): the largest up to 0.3 and 10 that are accepted.
+    /// Gains of the feedback, proportional and integral (1/s): 10 and the largest of a list up to 0.3 that is accepted.
     pub gains: Option<[f64; 2]>,
     /// Without any part.
     pub off: Outcome,
@@ -50,10 +50,17 @@ pub struct Case {
     pub with: [Outcome; PARTS.len()],
 }
 
+/// What all plants of a trial have in common.
+#[derive(Clone, Copy, Debug)]
+pub struct Conditions {
+    pub resonance: Resonance,
+    /// Neither side load nor chatter.
+    pub quiet: bool,
+}
+
 impl Case {
-    /// Draws the plant of a number and runs it, without side load and chatter if `quiet`; adds to `refused` the unsound ones on
-    /// the way.
-    pub fn run(seed: u64, number: usize, quiet: bool, refused: &mut usize) -> Case {
+    /// Draws the plant of a number and runs it; adds to `refused` the unsound ones on the way.
+    pub fn run(seed: u64, number: usize, conditions: Conditions, refused: &mut usize) -> Case {
         let mut random = Noise::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64));
         let plant = Plant::draw(&mut random, refused);
         let shape = [Shape::Circle, Shape::Line][number % 2];
@@ -61,7 +68,8 @@ impl Case {
         let feed_mm_per_s = 5.0 * 40.0_f64.powf(random.unit());
         // Drawn last: without it a number is the plant that it was before there was a cut.
         let cut = Cut::draw(&mut random);
-        run::run(number, plant, shape, feed_mm_per_s, if quiet { cut.quiet() } else { cut })
+        let cut = if conditions.quiet { cut.quiet() } else { cut };
+        run::run(number, plant, shape, feed_mm_per_s, cut, conditions.resonance)
     }
 }
 
@@ -70,7 +78,7 @@ impl Case {
 pub fn trial(
     seed: u64,
     plants: usize,
-    quiet: bool,
+    conditions: Conditions,
     jobs: usize,
     stop: &AtomicBool,
     progress: impl Fn() + Sync,
@@ -84,7 +92,7 @@ pub fn trial(
                 return;
             }
             let mut refused = 0;
-            let case = Case::run(seed, number, quiet, &mut refused);
+            let case = Case::run(seed, number, conditions, &mut refused);
             let mut results = results.lock().unwrap_or_else(PoisonError::into_inner);
             results.0.push(case);
             results.1 += refused;

@@ -12,6 +12,15 @@ const OVERSHOOT: f64 = 0.4;
 /// What a sound drive may still move 0.3 s after a step, share of the step.
 const LEFT: f64 = 0.02;
 
+/// What the plugin is told of the resonances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resonance {
+    /// Nothing: any resonance above 100 Hz is assumed.
+    Unknown,
+    /// Frequency and damping of each drive.
+    Stated,
+}
+
 /// What the plugin is told of both drives, and the two drives as they are.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Plant {
@@ -70,10 +79,16 @@ impl Plant {
         Plant { period_s, stated, drives: [drive(), drive()] }
     }
 
-    /// The drive's figures as the plugin gets them.
-    pub fn figures(&self) -> DriveFigures {
+    /// The figures of drive X (0) or Y (1) as the plugin gets them.
+    pub fn figures(&self, drive: usize, resonance: Resonance) -> DriveFigures {
         let s = &self.stated;
+        let [resonance_hz, resonance_damping] = match (resonance, self.drives.get(drive)) {
+            (Resonance::Stated, Some(drive)) => [drive.resonance_hz, drive.resonance_damping],
+            _ => [0.0; 2],
+        };
         DriveFigures {
+            resonance_hz,
+            resonance_damping,
             velocity_feed_forward: s.velocity_feed_forward,
             current_loop_s: s.current_loop_s,
             dead_time_s: s.dead_time_s,

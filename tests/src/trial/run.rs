@@ -1,7 +1,7 @@
 //! One plant on its track, with and without the parts.
 
 use super::error::{Size, amplitude, late_vibration};
-use super::{Case, Cut, PARTS, Plant};
+use super::{Case, Cut, PARTS, Plant, Resonance};
 use crate::course::Course;
 use serde::Serialize;
 use trueaxis::contour::Method;
@@ -14,8 +14,10 @@ use trueaxis_testing::machine::Machine;
 
 /// Start of every run that does not count, s.
 const SETTLING_S: f64 = 0.1;
-/// Gains of the feedback, as in the sample machines.
-const GAINS: [f64; 2] = [0.3, 10.0];
+/// K_p of the feedback that is tried, from that of the sample machines down.
+const PROPORTIONAL: [f64; 11] = [0.3, 0.21, 0.15, 0.1, 0.07, 0.05, 0.035, 0.025, 0.015, 0.01, 0.0];
+/// K_i, as in the sample machines, 1/s.
+const INTEGRAL_PER_S: f64 = 10.0;
 
 /// Shape of the track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -58,8 +60,15 @@ impl Outcome {
 }
 
 /// Runs a plant on a track without and with every combination of parts.
-pub(super) fn run(number: usize, plant: Plant, shape: Shape, feed_mm_per_s: f64, cut: Cut) -> Case {
-    let (machine, gains) = accepted(&plant);
+pub(super) fn run(
+    number: usize,
+    plant: Plant,
+    shape: Shape,
+    feed_mm_per_s: f64,
+    cut: Cut,
+    resonance: Resonance,
+) -> Case {
+    let (machine, gains) = accepted(&plant, resonance);
     let track = Track::new(shape, feed_mm_per_s, plant.period_s, &machine);
     let servo = servo(&machine, plant.period_s).expect("an accepted machine");
     let with = PARTS.map(|(_, parts)| follow(&plant, &track, &cut, &servo, parts));
@@ -67,23 +76,19 @@ pub(super) fn run(number: usize, plant: Plant, shape: Shape, feed_mm_per_s: f64,
     Case { number, plant, shape, feed_mm_per_s, cut, gains, off, with }
 }
 
-/// The machine as configured, with the largest gains up to [`GAINS`] that are accepted.
-fn accepted(plant: &Plant) -> (MachineSettings, Option<[f64; 2]>) {
-    let mut gains = GAINS;
-    for _ in 0..5 {
-        let machine = machine(plant, Some(gains));
-        match servo(&machine, plant.period_s) {
-            Ok(_) => return (machine, Some(gains)),
-            Err(refused) => {
-                let Some(bound) = refused.bound else { break };
-                gains = gains.map(|gain| 0.999 * bound / gains[0] * gain);
-            }
+/// The machine as configured, with the largest of [`PROPORTIONAL`] that is accepted beside [`INTEGRAL_PER_S`].
+fn accepted(plant: &Plant, resonance: Resonance) -> (MachineSettings, Option<[f64; 2]>) {
+    for proportional in PROPORTIONAL {
+        let gains = [proportional, INTEGRAL_PER_S];
+        let machine = machine(plant, resonance, Some(gains));
+        if servo(&machine, plant.period_s).is_ok() {
+            return (machine, Some(gains));
         }
     }
-    (machine(plant, None), None)
+    (machine(plant, resonance, None), None)
 }
 
-fn machine(plant: &Plant, gains: Option<[f64; 2]>) -> MachineSettings {
+fn machine(plant: &Plant, resonance: Resonance, gains: Option<[f64; 2]>) -> MachineSettings {
     let feedback = gains.map(|[proportional, integral_per_s]| FeedbackSettings {
         proportional,
         integral_per_s,
@@ -92,7 +97,7 @@ fn machine(plant: &Plant, gains: Option<[f64; 2]>) -> MachineSettings {
     });
     Machine::three_axis()
         .each(|axis| {
-            axis.servo.drive = Some(plant.figures());
+            axis.servo.drive = Some(plant.figures(axis.axis.index(), resonance));
             axis.servo.friction = Some(plant.friction());
             axis.servo.dynamic =
                 Some(DynamicSettings { lag: true, acceleration: true, ..DynamicSettings::with_defaults(axis.axis) });

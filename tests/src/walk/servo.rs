@@ -14,7 +14,7 @@ pub(super) fn configure(dice: &mut Dice, machine: &mut MachineSettings) {
         if feedback || !dice.one_in(4) {
             let drive = DriveFigures::with_defaults(dice.range(60.0, 160.0), dice.range(500.0, 1200.0), 0.006);
             let velocity_feed_forward = dice.one_of(&[0.0, 0.5, 0.93, 1.0]);
-            servo.drive = Some(DriveFigures { velocity_feed_forward, ..drive });
+            servo.drive = Some(DriveFigures { velocity_feed_forward, lowest_resonance_hz: 5000.0, ..drive });
         }
         if servo.drive.is_some() && !dice.one_in(4) {
             servo.friction = Some(FrictionSettings {

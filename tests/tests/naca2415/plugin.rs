@@ -57,6 +57,9 @@ pub(crate) fn machine(gains: Option<Gains>, feed_forward: Option<Off>) -> Machin
                 velocity_feed_forward: cascade.feed_forward,
                 current_loop_s: cascade.current_loop,
                 dead_time_s: 1e-3,
+                resonance_hz: 0.0,
+                resonance_damping: 0.0,
+                lowest_resonance_hz: 5000.0,
             }),
             friction: feed_forward.map(|off| FrictionSettings {
                 coulomb_per_s: 0.0,

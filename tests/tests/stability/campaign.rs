@@ -97,6 +97,9 @@ pub(crate) fn drive(random: &mut Noise) -> DriveFigures {
         velocity_feed_forward: random.unit(),
         current_loop_s: random.range(0.05, 0.2) / velocity_gain_per_s,
         dead_time_s: random.range(0.0, 0.003),
+        // Rigid.
+        lowest_resonance_hz: 10_000.0,
+        ..DriveFigures::with_defaults(0.0, 0.0, 0.0)
     }
 }
 
@@ -110,5 +113,6 @@ pub(crate) fn near(of: &DriveFigures, share: f64, random: &mut Noise) -> DriveFi
         velocity_feed_forward: off(of.velocity_feed_forward).min(1.0),
         current_loop_s: off(of.current_loop_s),
         dead_time_s: off(of.dead_time_s),
+        ..*of
     }
 }

@@ -69,6 +69,9 @@ pub(crate) fn drive() -> DriveFigures {
         velocity_feed_forward: 0.9,
         current_loop_s: 0.00025,
         dead_time_s: 0.0,
+        resonance_hz: 0.0,
+        resonance_damping: 0.0,
+        lowest_resonance_hz: 5000.0,
     }
 }
 

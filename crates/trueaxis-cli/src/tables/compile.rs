@@ -9,11 +9,13 @@ use trueaxis_evaluation::check::{CheckDocument, Findings, findings};
 use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
+use trueaxis_tables::uncertainty::Uncertainties;
 use trueaxis_tables::{Machine, summary};
 
 pub(super) fn check(path: &Path, rate_hz: f64, as_json: bool) -> Result<()> {
     let (machine, bytes) = compiled(path, rate_hz)?;
-    let found = findings(&machine, &parsed(&bytes, path)?, rate_hz);
+    let known = Uncertainties::read(path)?;
+    let found = findings(&machine, &known, &parsed(&bytes, path)?, rate_hz);
     if as_json {
         // Converting to a `Value` sorts the document's keys alphabetically.
         return json(&serde_json::to_value(CheckDocument::from(found))?);

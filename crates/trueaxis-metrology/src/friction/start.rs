@@ -21,6 +21,9 @@ pub(super) const DRIVE: DriveFigures = DriveFigures {
     velocity_feed_forward: 0.5,
     current_loop_s: 2.5e-4,
     dead_time_s: 0.0,
+    resonance_hz: 0.0,
+    resonance_damping: 0.0,
+    lowest_resonance_hz: 0.0,
 };
 const PRESLIDINGS: [f64; 3] = [0.002, 0.008, 0.04];
 const POSITION_GAINS: [f64; 4] = [15.0, 40.0, 90.0, 200.0];

@@ -18,12 +18,16 @@ pub enum ServoParts {
 }
 
 impl ServoParts {
-    /// Configures the parts identically on every axis: drives and friction of a small mill.
+    /// Configures the parts identically on every axis: drives, as good as rigid, and friction of a small
+    /// mill.
     pub fn configure(self, machine: &mut MachineSettings) {
         let all = self == ServoParts::All;
         for axis in &mut machine.axes {
-            axis.servo.drive =
-                Some(DriveFigures { velocity_feed_forward: 0.93, ..DriveFigures::with_defaults(110.0, 800.0, 0.006) });
+            axis.servo.drive = Some(DriveFigures {
+                velocity_feed_forward: 0.93,
+                lowest_resonance_hz: 5000.0,
+                ..DriveFigures::with_defaults(110.0, 800.0, 0.006)
+            });
             axis.servo.friction = Some(FrictionSettings {
                 stribeck_share: 0.3,
                 viscous: 0.0043,

@@ -62,6 +62,9 @@ fn drive(own: &DriveFigures) -> Lines {
         ("velocity_feed_forward", own.velocity_feed_forward, plain.velocity_feed_forward),
         ("current_loop_s", own.current_loop_s, plain.current_loop_s),
         ("dead_time_s", own.dead_time_s, plain.dead_time_s),
+        ("resonance_hz", own.resonance_hz, plain.resonance_hz),
+        ("resonance_damping", own.resonance_damping, plain.resonance_damping),
+        ("lowest_resonance_hz", own.lowest_resonance_hz, plain.lowest_resonance_hz),
     ] {
         lines.number(key, value, default);
     }

@@ -92,7 +92,9 @@ fn needed(error: &ConfigError, bound: Option<f64>) -> String {
         (Field::Proportional | Field::Integral, Some(bound)) => {
             format!("{} {}, because of axis {letter}", error.needed, Figure(bound))
         }
-        (Field::DynamicMagnitude, Some(bound)) => format!("{}: {}", error.needed, Figure(bound)),
+        (Field::DynamicMagnitude | Field::LowestResonance, Some(bound)) => {
+            format!("{}: {}", error.needed, Figure(bound))
+        }
         _ => error.needed.to_owned(),
     }
 }

@@ -2,10 +2,11 @@
 
 use super::common_lag::DriveUncertainty;
 use super::section::Section;
-use super::uncertainty_toml::uncertainties_of;
+use super::uncertainty_toml::{of_resonance, uncertainties_of};
 use super::units::{degrees_from_urad, from_um, per_second, same};
 use crate::error::FileError;
 use trueaxis::machine::{Axis, AxisServo, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings};
+use trueaxis::range::{RESONANCE, RESONANCE_DAMPING};
 
 /// Units of an axis in the names of its keys: positions, errors, and the conversion of errors to the unit of the core.
 struct Units {
@@ -48,10 +49,52 @@ fn read_drive(section: Section<'_>) -> Result<(DriveFigures, DriveUncertainty), 
     section.store(&mut drive.dead_time_s, "dead_time_s", same)?;
     let [position_gain_per_s, velocity_feed_forward, ..] = uncertainties_of(
         &section,
-        ["position_gain_per_s", "velocity_feed_forward", "velocity_gain_per_s", "reset_time_s", "dead_time_s"],
+        [
+            "position_gain_per_s",
+            "velocity_feed_forward",
+            "velocity_gain_per_s",
+            "reset_time_s",
+            "dead_time_s",
+            "resonance_hz",
+            "resonance_damping",
+        ],
     )?;
+    read_resonance(&section, &mut drive)?;
     section.finish(None)?;
     Ok((drive, DriveUncertainty { position_gain_per_s, velocity_feed_forward }))
+}
+
+/// Reads what is stated about the resonance; in the core, 0 means not stated.
+fn read_resonance(section: &Section<'_>, drive: &mut DriveFigures) -> Result<(), FileError> {
+    let resonance = section.number("resonance_hz")?;
+    let damping = section.number("resonance_damping")?;
+    let lowest = section.number("lowest_resonance_hz")?;
+    if resonance.is_some() && damping.is_none() {
+        let needed = "the damping of the resonance, a share of critical: without it resonance_hz bounds no gain";
+        return Err(section.missing_here("resonance_damping", needed));
+    }
+    for (figure, found, range) in [
+        (&mut drive.resonance_hz, &resonance, RESONANCE),
+        (&mut drive.resonance_damping, &damping, RESONANCE_DAMPING),
+        (&mut drive.lowest_resonance_hz, &lowest, RESONANCE),
+    ] {
+        let Some(found) = found else { continue };
+        if found.value == 0.0 {
+            return Err(section.wrong(found, range.needed));
+        }
+        *figure = found.value;
+    }
+    for (uncertainty, (key, of)) in
+        of_resonance(section)?.into_iter().zip([("resonance_hz", resonance), ("resonance_damping", damping)])
+    {
+        let Some(uncertainty) = uncertainty else { continue };
+        // The expanded uncertainty, k = 2, must leave a figure above zero.
+        if of.is_none_or(|of| 2.0 * uncertainty.value >= of.value) {
+            let needed = format!("less than half of {key}, as the drive states it");
+            return Err(section.wrong(&uncertainty, needed));
+        }
+    }
+    Ok(())
 }
 
 fn read_friction(section: Section<'_>, units: &Units) -> Result<FrictionSettings, FileError> {

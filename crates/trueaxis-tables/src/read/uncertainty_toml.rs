@@ -1,6 +1,6 @@
 //! `[uncertainty]`, `[uncertainty.location]` and `[axis.*.uncertainty]` of `machine.toml`.
 
-use super::section::Section;
+use super::section::{KeyValue, Section};
 use super::units::{from_um, from_urad, same};
 use crate::error::FileError;
 use crate::uncertainty::{AxisUncertainty, Instrument, LocationUncertainty, Uncertainties};
@@ -75,6 +75,12 @@ pub(super) fn uncertainties_of<const N: usize>(figures: &Section<'_>, keys: [&st
     Ok(found)
 }
 
+/// Standard uncertainties of the resonance (Hz) and the damping of a drive, which are not compiled.
+pub(super) fn of_resonance(drive: &Section<'_>) -> Result<[Option<KeyValue<f64>>; 2], FileError> {
+    let Some(section) = drive.section("uncertainty")? else { return Ok([None, None]) };
+    Ok([section.number("resonance_hz")?, section.number("resonance_damping")?])
+}
+
 /// Instrument and location errors of the machine with these axes, without the sections of the axes.
 pub(super) fn read(root: &Section<'_>, axes: &[Axis]) -> Result<Uncertainties, FileError> {
     let mut found = Uncertainties::default();
@@ -134,6 +140,10 @@ fn read_location(section: Section<'_>, axes: &[Axis]) -> Result<LocationUncertai
 /// Reads `[axis.*.uncertainty]`; nothing is stated if the axis has none.
 pub(super) fn read_axis(axis: &Section<'_>, of: Axis) -> Result<AxisUncertainty, FileError> {
     let mut found = AxisUncertainty::unstated(of);
+    if let Some(drive) = axis.section("drive")? {
+        let [resonance, damping] = of_resonance(&drive)?.map(|stated| stated.map(|stated| stated.value));
+        (found.resonance_hz, found.resonance_damping) = (resonance, damping);
+    }
     let Some(section) = axis.section("uncertainty")? else { return Ok(found) };
     let (micro, bounds, convert): (_, _, fn(f64) -> f64) =
         if of.is_rotary() { ("urad", &URAD, from_urad) } else { ("um", &UM, from_um) };

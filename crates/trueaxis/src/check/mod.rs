@@ -7,10 +7,13 @@ mod drive;
 mod grid;
 mod inverse;
 mod margins;
+mod notch;
 mod open_loop;
+mod resonance;
 mod reversal;
 mod scalars;
 mod servo;
+mod two_masses;
 mod volumetric;
 
 pub use bounds::{contribution, reach, slopes, tilt};
@@ -19,10 +22,12 @@ pub use inverse::{
     INVERSE_TOLERANCE_MM, MOST_PASSES, error_range, inverse_passes, jacobian_norm, joint_range, machine_passes,
 };
 pub use margins::{GAIN_MARGIN_DB, Margins, PHASE_MARGIN_DEG};
+pub use notch::Notch;
 pub use open_loop::Margin;
+pub use resonance::{ASSUMED_DAMPING, ASSUMED_LOWEST_HZ, RESONANCE_MARGIN_DB, Spread, assumed_lowest_hz};
 pub use reversal::{HYSTERESIS_PER_STEP, lost_motion, reversal};
-pub(crate) use servo::of_dynamic;
-pub use servo::{feedback, feedback_margins};
+pub(crate) use servo::{notches, of_dynamic};
+pub use servo::{feedback, feedback_margins, feedback_margins_within, feedback_within};
 pub use volumetric::{angular_tip_error, tip_rate};
 
 use crate::error::{ConfigError, Field};

@@ -1,5 +1,7 @@
 //! Margins of a loop given by its open-loop transfer function, a ratio of polynomials with a dead time.
 
+use super::notch::Sampled;
+
 /// Number of evaluated frequencies, evenly spaced in their logarithm.
 const POINTS: u16 = 512;
 /// Bisections of the interval between two evaluated frequencies: accurate to one part in 10⁹.
@@ -14,12 +16,14 @@ pub struct Margin {
     pub frequency_hz: f64,
 }
 
-/// L(s) = N(s)/D(s) · e^(−s T), coefficients of N and D from the constant term on, T in s.
+/// L(s) = N(s)/D(s) · e^(−s T) · F(s), coefficients of N and D from the constant term on, T in s, F a notch if there is
+/// one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OpenLoop {
     pub(super) numerator: [f64; 4],
     pub(super) denominator: [f64; 6],
     pub(super) dead_time_s: f64,
+    pub(super) notch: Option<Sampled>,
 }
 
 /// Present margins of a loop, and the largest permitted factor on its gain.
@@ -39,7 +43,7 @@ fn size([re, im]: [f64; 2]) -> f64 {
     libm::hypot(re, im)
 }
 
-fn decibels(gain: f64) -> f64 {
+pub(super) fn decibels(gain: f64) -> f64 {
     20.0 * libm::log10(gain)
 }
 
@@ -50,7 +54,10 @@ impl OpenLoop {
         let square = c * c + d * d;
         let [re, im] = [(a * c + b * d) / square, (b * c - a * d) / square];
         let (cos, sin) = (libm::cos(omega * self.dead_time_s), libm::sin(omega * self.dead_time_s));
-        [re * cos + im * sin, im * cos - re * sin]
+        let [re, im] = [re * cos + im * sin, im * cos - re * sin];
+        let Some(notch) = &self.notch else { return [re, im] };
+        let [a, b] = notch.at(omega);
+        [re * a - im * b, re * b + im * a]
     }
 
     /// The margins between two angular frequencies, 1/s. `least_phase_deg` (up to 90) and `least_gain_db` are the
@@ -123,7 +130,7 @@ fn turned([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
     libm::atan2(a * d - b * c, a * c + b * d)
 }
 
-fn hertz(omega: f64) -> f64 {
+pub(super) fn hertz(omega: f64) -> f64 {
     omega / core::f64::consts::TAU
 }
 
@@ -146,7 +153,7 @@ mod tests {
     use super::{Found, OpenLoop};
 
     fn found(numerator: [f64; 4], denominator: [f64; 6], dead_time_s: f64) -> Found {
-        OpenLoop { numerator, denominator, dead_time_s }.margins([1e-3, 1e5], 60.0, 12.0)
+        OpenLoop { numerator, denominator, dead_time_s, notch: None }.margins([1e-3, 1e5], 60.0, 12.0)
     }
 
     fn close(found: f64, expected: f64) {

@@ -9,8 +9,9 @@ use crate::machine::{
 use crate::range::{
     ACCELERATION, BACKLASH, COMMON_LAG, COULOMB, CROSSTALK, CURRENT_LOOP, DEAD_TIME, ENCODER_STEP, EXPANSION, FADE,
     FEED, FEEDBACK_GAIN, FEEDBACK_INTEGRAL, HYSTERESIS, JOINT, JUMP_FACTOR, LAG, LENGTH, MAGNITUDE, PLAUSIBLE,
-    POSITION, POSITION_GAIN, PRESLIDING, RESET_TIME, ROTATION, SHARE, SINGULAR_CONE, SLOPE, STRIBECK_SHARE,
-    STRIBECK_VELOCITY, TEMPERATURE, THERMAL_OFFSET, TOOL_AXIS, TRANSLATION, VELOCITY_GAIN, VISCOUS, WATCH,
+    POSITION, POSITION_GAIN, PRESLIDING, RESET_TIME, RESONANCE, RESONANCE_DAMPING, ROTATION, SHARE, SINGULAR_CONE,
+    SLOPE, STRIBECK_SHARE, STRIBECK_VELOCITY, TEMPERATURE, THERMAL_OFFSET, TOOL_AXIS, TRANSLATION, VELOCITY_GAIN,
+    VISCOUS, WATCH,
 };
 
 /// Checks every scalar of a machine; [`gauge`] checks the gauge's. A new field does not compile until it is listed here.
@@ -113,6 +114,9 @@ fn of_servo(servo: &AxisServo, axis: Axis) -> Result<(), ConfigError> {
             velocity_feed_forward,
             current_loop_s,
             dead_time_s,
+            resonance_hz,
+            resonance_damping,
+            lowest_resonance_hz,
         } = drive;
         POSITION_GAIN.check(*position_gain_per_s, Field::PositionGain, on)?;
         VELOCITY_GAIN.check(*velocity_gain_per_s, Field::VelocityGain, on)?;
@@ -120,6 +124,16 @@ fn of_servo(servo: &AxisServo, axis: Axis) -> Result<(), ConfigError> {
         SHARE.check(*velocity_feed_forward, Field::VelocityAhead, on)?;
         CURRENT_LOOP.check(*current_loop_s, Field::CurrentLoop, on)?;
         DEAD_TIME.check(*dead_time_s, Field::DeadTime, on)?;
+        for (range, figure, field) in [
+            (RESONANCE, resonance_hz, Field::Resonance),
+            (RESONANCE_DAMPING, resonance_damping, Field::ResonanceDamping),
+            (RESONANCE, lowest_resonance_hz, Field::LowestResonance),
+        ] {
+            // 0: not stated.
+            if *figure != 0.0 {
+                range.check(*figure, field, on)?;
+            }
+        }
     }
     if let Some(friction) = friction {
         let FrictionSettings { coulomb_per_s, stribeck_share, stribeck_velocity_per_s, presliding, viscous, lead_s } =

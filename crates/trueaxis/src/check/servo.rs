@@ -1,15 +1,12 @@
 //! Checks of drives, friction, dynamic correction, contour feedback and cross-talk.
 
 use super::drive::{is_stable, stiffness};
-use super::margins::{Margins, margins};
-use super::need;
+use super::margins::{Closed, Margins};
+use super::resonance::{chosen, margins};
+use super::{Notch, RESONANCE_MARGIN_DB, Spread, need};
 use crate::error::{ConfigError, Field};
-use crate::machine::{Axis, AxisSettings, MachineSettings};
+use crate::machine::{Axis, AxisSettings, DriveFigures, MachineSettings};
 use crate::part;
-
-/// Delay of the step itself, in servo periods: one from a reading to the command computed from it, half of one for the
-/// hold between two commands.
-const OWN_DELAY: f64 = 1.5;
 
 /// Checks everything except the margins. Drive figures must be present wherever a setting needs them, and describe a
 /// stable drive; limits must be within those of the axis; cross-talk must act between axes of the machine, onto a
@@ -33,6 +30,7 @@ const NEEDS_DRIVE: &str = "the figures of the axis' drive as well";
 fn axis(settings: &AxisSettings) -> Result<(), ConfigError> {
     let servo = &settings.servo;
     if let Some(drive) = &servo.drive {
+        resonances(settings.axis, drive)?;
         let stiffness = servo.friction.as_ref().map_or(0.0, |friction| stiffness(drive, friction));
         let stable = is_stable(drive, 0.0) && is_stable(drive, stiffness);
         let needed = "a gain at which the drive alone is stable with its other figures";
@@ -51,6 +49,19 @@ fn axis(settings: &AxisSettings) -> Result<(), ConfigError> {
     let needed = "a magnitude within that of the axis' correction";
     let error = ConfigError::new(Field::DynamicMagnitude, found, needed).on(settings.axis);
     need(found <= bound, ConfigError { bound: Some(bound), ..error })
+}
+
+/// Checks that a resonance has a damping, and is not below the lowest one.
+fn resonances(axis: Axis, drive: &DriveFigures) -> Result<(), ConfigError> {
+    let DriveFigures { resonance_hz, resonance_damping, lowest_resonance_hz, .. } = *drive;
+    let wrong = |field, found, needed| ConfigError::new(field, found, needed).on(axis);
+    let damped = resonance_hz == 0.0 || resonance_damping > 0.0;
+    need(damped, wrong(Field::ResonanceDamping, 0.0, "the damping of the resonance, 0.001 to 0.9 of critical"))?;
+    let known = resonance_damping == 0.0 || resonance_hz > 0.0;
+    need(known, wrong(Field::Resonance, 0.0, "the frequency of the resonance with this damping"))?;
+    let outside = resonance_hz == 0.0 || lowest_resonance_hz <= resonance_hz;
+    let error = wrong(Field::LowestResonance, lowest_resonance_hz, "at most the stated resonance");
+    need(outside, ConfigError { bound: Some(resonance_hz), ..error })
 }
 
 /// Moves an error of a limiter to the key of the dynamic correction's limits.
@@ -88,39 +99,94 @@ fn crosstalk(machine: &MachineSettings) -> Result<(), ConfigError> {
 /// Margins of the contour feedback on every linear axis with drive figures, for a servo period, s. Empty without
 /// contour feedback.
 pub fn feedback_margins(machine: &MachineSettings, period_s: f64) -> impl Iterator<Item = (Axis, Margins)> {
+    feedback_margins_within(machine, period_s, |_| Spread::LEAST)
+}
+
+/// Like [`feedback_margins`], with the uncertainty of the stated resonances.
+pub fn feedback_margins_within(
+    machine: &MachineSettings,
+    period_s: f64,
+    spread: impl Fn(Axis) -> Spread,
+) -> impl Iterator<Item = (Axis, Margins)> {
+    loops(machine, period_s).map(move |(axis, closed)| (axis, margins(&closed, &spread(axis))))
+}
+
+/// The loops of the contour feedback.
+pub(super) fn loops(machine: &MachineSettings, period_s: f64) -> impl Iterator<Item = (Axis, Closed<'_>)> {
     let linear = machine.axes.iter().filter(|axis| !axis.axis.is_rotary());
     linear.filter_map(move |axis| {
         let (feedback, drive) = (machine.contour.feedback.as_ref()?, axis.servo.drive.as_ref()?);
-        Some((axis.axis, margins(drive, axis.servo.friction.as_ref(), feedback, OWN_DELAY * period_s)))
+        Some((axis.axis, Closed { drive, friction: axis.servo.friction.as_ref(), feedback, period_s }))
     })
 }
 
-/// Refuses gains of the contour feedback that leave less than [`super::PHASE_MARGIN_DEG`] or [`super::GAIN_MARGIN_DB`]
-/// on an axis at this servo period, s (0: not known yet). [`Margins`] lists the loops.
+/// Notches of the contour feedback, by linear axis.
+pub(crate) fn notches(machine: &MachineSettings, period_s: f64) -> impl Iterator<Item = (Axis, Notch)> {
+    loops(machine, period_s).filter_map(|(axis, closed)| Some((axis, chosen(&closed)?)))
+}
+
+/// Refuses gains of the contour feedback that leave less than [`super::PHASE_MARGIN_DEG`], [`super::GAIN_MARGIN_DB`] or
+/// [`super::RESONANCE_MARGIN_DB`] on an axis at this servo period, s (0: not known yet). [`Margins`] lists the loops.
 ///
 /// # Errors
 /// The proportional gain, or the integral one if the proportional gain is zero; bound: its largest permitted value at
-/// this ratio of the two, rounded down to three digits.
+/// this ratio of the two, rounded down to three digits; 0 if no gain is safe.
 pub fn feedback(machine: &MachineSettings, period_s: f64) -> Result<(), ConfigError> {
+    feedback_within(machine, period_s, |_| Spread::LEAST)
+}
+
+/// Like [`feedback`], with the uncertainty of the stated resonances.
+///
+/// # Errors
+/// As [`feedback`].
+pub fn feedback_within(
+    machine: &MachineSettings,
+    period_s: f64,
+    spread: impl Fn(Axis) -> Spread,
+) -> Result<(), ConfigError> {
     let (Some(settings), Some(_)) = (&machine.contour.feedback, part::DYNAMIC) else { return Ok(()) };
-    let all = feedback_margins(machine, period_s).map(|(axis, margins)| (axis, margins.factor));
-    let Some((axis, factor)) = all.reduce(|least, next| if next.1 < least.1 { next } else { least }) else {
+    let all = feedback_margins_within(machine, period_s, spread);
+    let Some((axis, margins)) = all.reduce(|least, next| if next.1.factor < least.1.factor { next } else { least })
+    else {
         return Ok(());
     };
-    let (field, found, needed) = match settings.proportional > 0.0 {
-        true => (
-            Field::Proportional,
-            settings.proportional,
-            "60 degrees of phase margin and 12 dB of gain margin; at this ratio of the gains it may be at most",
-        ),
-        false => (
-            Field::Integral,
-            settings.integral_per_s,
-            "60 degrees of phase margin and 12 dB of gain margin; it may be at most",
-        ),
+    let factor = margins.factor;
+    let proportional = settings.proportional > 0.0;
+    let (field, found) = match proportional {
+        true => (Field::Proportional, settings.proportional),
+        false => (Field::Integral, settings.integral_per_s),
+    };
+    let resonant = margins.resonance.is_some_and(|margin| factor * margin_factor(margin.value) >= 1.0 - 1e-9);
+    let known = machine.axis(axis).and_then(|own| own.servo.drive).is_some_and(|drive| drive.states_resonance());
+    let needed = match (proportional, resonant) {
+        _ if factor == 0.0 => NO_GAIN,
+        (true, false) => {
+            "60 degrees of phase margin and 12 dB of gain margin; at this ratio of the gains it may be at most"
+        }
+        (false, false) => "60 degrees of phase margin and 12 dB of gain margin; it may be at most",
+        (true, true) if known => {
+            "6 dB of margin at the resonances of the axis; at this ratio of the gains it may be at most"
+        }
+        (false, true) if known => "6 dB of margin at the resonances of the axis; it may be at most",
+        (true, true) => UNKNOWN_RATIO,
+        (false, true) => UNKNOWN,
     };
     let error = ConfigError::new(field, found, needed).on(axis);
     need(factor >= 1.0, ConfigError { bound: Some(rounded_down(found * factor)), ..error })
+}
+
+const NO_GAIN: &str = "a drive that is stable by itself with gains and resonance 10 % off: no gain is safe; without \
+                       [contour.feedback] the feed-forward still works; it may be at most";
+
+const UNKNOWN: &str = "6 dB of margin at any resonance above 100 Hz with 2 % damping, because none is stated \
+                       (resonance_hz and resonance_damping, or lowest_resonance_hz); it may be at most";
+const UNKNOWN_RATIO: &str = "6 dB of margin at any resonance above 100 Hz with 2 % damping, because none is stated \
+                             (resonance_hz and resonance_damping, or lowest_resonance_hz); at this ratio of the gains it \
+                             may be at most";
+
+/// The present gain at the resonances over the permitted one.
+fn margin_factor(margin_db: f64) -> f64 {
+    libm::exp10((RESONANCE_MARGIN_DB - margin_db) / 20.0)
 }
 
 /// Rounds to three digits, towards zero.

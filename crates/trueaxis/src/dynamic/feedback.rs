@@ -3,9 +3,12 @@
 //! If the error cannot be acted on (foot not bracketed, a corner or an end, ambiguous, cold, in rapid motion, under a
 //! fault), the integral stays constant and K_p e ramps out. While any axis is limited, the integrals of all axes stay
 //! constant (anti-windup).
+//!
+//! On an axis with a stated resonance u may pass a notch ([`crate::check::Notch`]).
 
 #![deny(clippy::indexing_slicing)]
 
+use crate::check::Notch;
 use crate::machine::FeedbackSettings;
 use crate::real::Real;
 
@@ -47,5 +50,46 @@ impl<R: Real> Feedback<R> {
             *integral = (*integral + self.integral * error).limit(-most, most);
         }
         -(self.proportional * share * error + *integral)
+    }
+}
+
+/// A notch at the servo period: takes the part w of its input x away.
+///
+/// ```text
+/// w_k = g (x_k − x_(k−2)) − a_1 w_(k−1) − a_2 w_(k−2)
+/// ```
+///
+/// w is exactly zero at rest, also in single precision.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NotchFilter<R> {
+    gain: R,
+    back: [R; 2],
+}
+
+/// The sums of earlier cycles that the next w and the one after it get.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct NotchState<R>([R; 2]);
+
+impl<R: Real> NotchFilter<R> {
+    /// A filter that changes nothing.
+    pub(super) fn none() -> Self {
+        NotchFilter { gain: R::ZERO, back: [R::ZERO; 2] }
+    }
+
+    pub(super) fn new(notch: &Notch, period_s: f64) -> Self {
+        let [gain, a1, a2] = notch.coefficients(period_s);
+        NotchFilter { gain: R::of(gain), back: [R::of(a1), R::of(a2)] }
+    }
+
+    /// The filtered offset; the state moves on if the cycle is `due`.
+    #[inline(always)]
+    pub(super) fn filtered(&self, state: &mut NotchState<R>, x: R, due: bool) -> R {
+        let NotchState([first, second]) = *state;
+        let [a1, a2] = self.back;
+        let taken = self.gain * x + first;
+        if due {
+            *state = NotchState([second - a1 * taken, -(self.gain * x) - a2 * taken]);
+        }
+        x - taken
     }
 }

@@ -5,11 +5,11 @@
 use super::common::{self, Common, Room, Wanted};
 use super::crosstalk::Crosstalk;
 use super::feed_forward::FeedForward;
-use super::feedback::Feedback;
+use super::feedback::{Feedback, NotchFilter, NotchState};
 use super::harm::{Harm, Trial, Wave};
 use super::watch::{Swing, Watch};
 use super::{DynamicParts, DynamicState, Dynamics};
-use crate::check::of_dynamic;
+use crate::check::{notches, of_dynamic};
 use crate::error::ConfigError;
 use crate::limiter::{Limiter, LimiterState};
 use crate::machine::{AxisOrder, AxisSettings, DynamicSettings, Limits, MachineSettings};
@@ -59,6 +59,8 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
     takes_up: bool,
     common: Option<Common<R>>,
     feedback: Option<(Feedback<R>, Watch<R>, Harm<R>)>,
+    /// Notches of the feedback by linear axis, if any axis has one.
+    notches: Option<[NotchFilter<R>; 3]>,
     crosstalk: Option<Crosstalk<R, P>>,
     part: part::Dynamic,
 }
@@ -118,7 +120,14 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let crosstalk = (!machine.crosstalk.is_empty()).then_some(crosstalk);
         let common = Common::new(order.settings(machine).into_iter().flatten(), period_s);
         let takes_up = axes.iter().any(|act| act.takes_up);
-        Ok(any.then_some(DynamicStage { axes, takes_up, common, feedback, crosstalk, part }))
+        let mut filters = None;
+        for (axis, notch) in notches(machine, period_s) {
+            let all = filters.get_or_insert([NotchFilter::none(); 3]);
+            if let Some(filter) = all.get_mut(axis.index()) {
+                *filter = NotchFilter::new(&notch, period_s);
+            }
+        }
+        Ok(any.then_some(DynamicStage { axes, takes_up, common, feedback, notches: filters, crosstalk, part }))
     }
 
     /// Makes the calling code unreachable in a build without the part.
@@ -346,6 +355,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         }
         if !on.has(Dynamics::FEEDBACK) || state.out {
             state.integral = [R::ZERO; N];
+            state.notched = [NotchState::default(); 3];
             return;
         }
         let linear = state.drift.iter().zip(&self.axes).filter(|(_, act)| act.is_linear);
@@ -357,12 +367,17 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         }
         // One axis that cannot follow displaces the tool in all directions, so every integral stays constant.
         let limited = moment.limited != 0;
-        let axes = self.axes.iter().zip(&mut state.integral).zip(&mut state.swing).zip(wanted);
+        let axes = self.axes.iter().zip(&mut state.integral).zip(&mut state.swing).zip(&mut *wanted);
         for ((((act, integral), swing), wanted), e) in axes.zip(errors) {
             *wanted =
                 feedback.offset(integral, error.map(|_| e), state.trial.share(), limited, act.limiter.magnitude());
             if error.is_some() {
                 state.out |= watch.swings(swing, e);
+            }
+        }
+        if let Some(notches) = &self.notches {
+            for ((notch, state), wanted) in notches.iter().zip(&mut state.notched).zip(wanted) {
+                *wanted = notch.filtered(state, *wanted, sample.due);
             }
         }
         if state.out {

@@ -5,6 +5,7 @@
 use super::Dynamics;
 use super::common::Shared;
 use super::feed_forward::Drift;
+use super::feedback::NotchState;
 use super::harm::{Trial, Wave};
 use super::watch::Swing;
 use crate::limiter::LimiterState;
@@ -20,6 +21,8 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) share: R,
     pub(super) limited: [LimiterState<R>; N],
     pub(super) integral: [R; N],
+    /// Notches of the feedback, by linear axis.
+    pub(super) notched: [NotchState<R>; 3],
     pub(super) swing: [Swing; N],
     /// Oscillations of the tip, and what the feedback does to them.
     pub(super) waves: [Wave<R>; 3],
@@ -54,6 +57,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
             share: R::ONE,
             limited: [LimiterState::default(); N],
             integral: [R::ZERO; N],
+            notched: [NotchState::default(); 3],
             swing: [Swing::default(); N],
             waves: [Wave::default(); 3],
             trial: Trial::new(),
@@ -109,6 +113,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
     pub(super) fn rest(&mut self) {
         self.fresh = true;
         self.trend = [R::ZERO; N];
+        self.notched = [NotchState::default(); 3];
         self.drift.iter_mut().for_each(Drift::rest);
         self.shared.iter_mut().for_each(Shared::rest);
     }

@@ -259,4 +259,10 @@ fields! {
     CommandWindow;
     /// Lag that all axes compensate in common.
     CommonLag: "axis.*.dynamic.lag_s";
+    /// Resonance of an axis.
+    Resonance: "axis.*.drive.resonance_hz";
+    /// Damping of the resonance of an axis.
+    ResonanceDamping: "axis.*.drive.resonance_damping";
+    /// Frequency below which an axis has no resonance.
+    LowestResonance: "axis.*.drive.lowest_resonance_hz";
 }

@@ -27,11 +27,18 @@ pub struct DriveFigures {
     pub current_loop_s: f64,
     /// Dead time t_d from a command to the position loop and back through the reading, s.
     pub dead_time_s: f64,
+    /// Resonance of motor and load against each other, both free, Hz; 0: not stated.
+    pub resonance_hz: f64,
+    /// Damping of the resonance, share of critical; 0: not stated.
+    pub resonance_damping: f64,
+    /// Frequency below which the axis has no resonance, Hz; 0: not stated, which assumes 100 Hz unless the resonance is
+    /// stated.
+    pub lowest_resonance_hz: f64,
 }
 
 impl DriveFigures {
     /// Creates a drive with these gains (1/s) and this reset time (s), the rest at its defaults: no feed-forward, a
-    /// current loop of 0.25 ms, no dead time.
+    /// current loop of 0.25 ms, no dead time, nothing stated about resonances.
     pub const fn with_defaults(position_gain_per_s: f64, velocity_gain_per_s: f64, reset_time_s: f64) -> DriveFigures {
         DriveFigures {
             position_gain_per_s,
@@ -40,7 +47,15 @@ impl DriveFigures {
             velocity_feed_forward: 0.0,
             current_loop_s: 2.5e-4,
             dead_time_s: 0.0,
+            resonance_hz: 0.0,
+            resonance_damping: 0.0,
+            lowest_resonance_hz: 0.0,
         }
+    }
+
+    /// Whether the resonance, or the lowest one, is stated.
+    pub fn states_resonance(&self) -> bool {
+        self.resonance_hz > 0.0 || self.lowest_resonance_hz > 0.0
     }
 
     /// Lag of the drive at a constant velocity without its dead time, (1 − k_ff)/K_v, s.

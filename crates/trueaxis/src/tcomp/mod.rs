@@ -498,11 +498,14 @@ fn encoders<'a>(settings: &mut MachineSettings, mut rest: &'a [u8]) -> Result<&'
     Ok(rest)
 }
 
-/// Figures of an axis' servo that version 7 added: the lag that is compensated (s), then a place for resonance (Hz), its
-/// damping (share of critical) and lowest resonance (Hz); 0: not stated.
+/// Figures of an axis' servo that version 7 added: the lag that is compensated (s), then resonance (Hz), its damping (share
+/// of critical) and lowest resonance (Hz); 0: not stated.
 pub fn additions(settings: &AxisSettings) -> [f64; 4] {
     let lag_s = settings.servo.dynamic.map_or(0.0, |dynamic| dynamic.lag_s);
-    [lag_s, 0.0, 0.0, 0.0]
+    let drive = settings.servo.drive.as_ref();
+    let [hz, damping, lowest] =
+        drive.map_or([0.0; 3], |drive| [drive.resonance_hz, drive.resonance_damping, drive.lowest_resonance_hz]);
+    [lag_s, hz, damping, lowest]
 }
 
 /// Sets the [`additions`] of an axis; `None` if it has no place for one that is stated.
@@ -512,7 +515,13 @@ fn set_additions(settings: &mut AxisSettings, [lag_s, hz, damping, lowest]: [f64
         None if lag_s != 0.0 => return None,
         None => {}
     }
-    (hz == 0.0 && damping == 0.0 && lowest == 0.0).then_some(())
+    match &mut settings.servo.drive {
+        Some(drive) => {
+            (drive.resonance_hz, drive.resonance_damping, drive.lowest_resonance_hz) = (hz, damping, lowest);
+            Some(())
+        }
+        None => (hz == 0.0 && damping == 0.0 && lowest == 0.0).then_some(()),
+    }
 }
 
 /// Reads the additions, after the steps of the encoders.

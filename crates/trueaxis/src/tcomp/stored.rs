@@ -228,6 +228,13 @@ struct StoredDrive {
     velocity_feed_forward: f64,
     current_loop_s: f64,
     dead_time_s: f64,
+    /// These three at the end of the payload, in version 7.
+    #[serde(skip)]
+    resonance_hz: f64,
+    #[serde(skip)]
+    resonance_damping: f64,
+    #[serde(skip)]
+    lowest_resonance_hz: f64,
 }
 
 #[derive(Serialize, Deserialize)]

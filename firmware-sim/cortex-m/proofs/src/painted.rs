@@ -65,7 +65,11 @@ fn settings(axes: &[Axis], model: ErrorModel) -> MachineSettings {
     };
     let mut machine = shared::machine([0.0, 0.0, -150.0], model, axes.iter().map(axis));
     let servo = |axis: &mut AxisSettings| {
-        let drive = DriveFigures { velocity_feed_forward: 0.9, ..DriveFigures::with_defaults(110.0, 800.0, 0.006) };
+        let drive = DriveFigures {
+            velocity_feed_forward: 0.9,
+            lowest_resonance_hz: 5000.0,
+            ..DriveFigures::with_defaults(110.0, 800.0, 0.006)
+        };
         axis.servo.drive = Some(drive);
         axis.servo.friction = Some(FrictionSettings::with_defaults(0.5, 0.006));
         let dynamic = DynamicSettings::with_defaults(axis.axis);

@@ -17,6 +17,9 @@ pub(super) const DRIVE: DriveFigures = DriveFigures {
     velocity_feed_forward: 0.9,
     current_loop_s: 2.5e-4,
     dead_time_s: 0.0,
+    resonance_hz: 0.0,
+    resonance_damping: 0.0,
+    lowest_resonance_hz: 5000.0,
 };
 const FRICTION: FrictionSettings = FrictionSettings {
     coulomb_per_s: 0.5,
