@@ -259,4 +259,6 @@ fields! {
     CommandWindow;
     /// Lag that all axes compensate in common.
     CommonLag: "axis.*.dynamic.lag_s";
+    /// Interval in which the friction adapts.
+    FrictionAdapt: "axis.*.friction.adapt";
 }

@@ -112,7 +112,8 @@ impl core::error::Error for ConfigError {}
 
 /// Fault of a servo cycle; reported in its output and telemetry.
 ///
-/// Three classes. *Bad feedback* (1 to 15): the correction freezes, the command passes. *Bad command* (16 to 31): the
+/// Four classes. *Bad feedback* (1 to 11): the correction freezes, the command passes. *Friction* (12 to 15): reported until
+/// a reset, while the correction continues with the identified friction. *Bad command* (16 to 31): the
 /// output holds and a stop request is latched until a reset near the held position. *Refused at start* (32 and above):
 /// the plugin stays inactive, the command passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -135,6 +136,10 @@ pub enum Fault {
     /// The cycle came late or early by more than a quarter of its period, or cycles have come faster than the period
     /// for so long that the corrections must pause ([`crate::Input::elapsed_ns`]).
     LateCycle = 5,
+    /// An axis whose friction adapts sticks and slips: its friction is back at the identified figures.
+    StickSlip = 12,
+    /// The friction of an axis that adapts has the wrong sign at its reversals: it is back at the identified figures.
+    FrictionReversed = 13,
     /// A command is infinite or not a number.
     CommandNotFinite = 16,
     /// A command lies outside the declared travel.
@@ -173,6 +178,10 @@ impl fmt::Display for Fault {
             Fault::LateCycle => {
                 "the cycle came late or early by more than a quarter of its period, or too many came early"
             }
+            Fault::StickSlip => "an axis sticks and slips, so that its friction no longer adapts",
+            Fault::FrictionReversed => {
+                "the friction of an axis has the wrong sign at its reversals, so that it no longer adapts"
+            }
             Fault::CommandNotFinite => "a command is not a finite number",
             Fault::CommandOutOfTravel => "a command lies outside the travel of its axis",
             Fault::CommandJump => "a command changed more in a cycle than the axis can move",
@@ -193,7 +202,7 @@ impl core::error::Error for Fault {}
 impl Fault {
     /// Whether the correction freezes and the command passes.
     pub const fn freezes(self) -> bool {
-        (self as u8) > 0 && (self as u8) < 16
+        (self as u8) > 0 && (self as u8) < 12
     }
 
     /// Whether the output holds and a stop is requested.
@@ -224,6 +233,8 @@ impl TryFrom<u8> for Fault {
             Fault::EncoderStuck,
             Fault::EncoderAlarm,
             Fault::LateCycle,
+            Fault::StickSlip,
+            Fault::FrictionReversed,
             Fault::CommandNotFinite,
             Fault::CommandOutOfTravel,
             Fault::CommandJump,
@@ -286,7 +297,7 @@ mod tests {
     fn every_fault_has_a_sentence_of_its_own() {
         let faults: std::vec::Vec<Fault> = (0..=u8::MAX).filter_map(|code| Fault::try_from(code).ok()).collect();
         let sentences: BTreeSet<_> = faults.iter().map(ToString::to_string).collect();
-        assert_eq!((faults.len(), sentences.len()), (17, 17));
+        assert_eq!((faults.len(), sentences.len()), (19, 19));
         assert!(sentences.iter().all(|text| text.is_ascii() && text.len() > 7 && !text.ends_with('.')));
     }
 }
