@@ -1,6 +1,6 @@
 //! One plant on its track, with and without the parts.
 
-use super::{Case, PARTS, Plant};
+use super::{ADAPTING, Case, PARTS, Plant};
 use crate::course::Course;
 use serde::Serialize;
 use trueaxis::contour::Method;
@@ -15,6 +15,9 @@ use trueaxis_testing::machine::Machine;
 const SETTLING_S: f64 = 0.1;
 /// Gains of the feedback, as in the sample machines.
 const GAINS: [f64; 2] = [0.3, 10.0];
+/// Share by which friction adapts, and how often the track is followed before it counts.
+const ADAPT: f64 = 0.6;
+pub(super) const BEFORE: usize = 10;
 
 /// Shape of the track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -56,8 +59,14 @@ pub(super) fn run(number: usize, plant: Plant, shape: Shape, feed_mm_per_s: f64)
     let (machine, gains) = accepted(&plant);
     let track = Track::new(shape, feed_mm_per_s, plant.period_s, &machine);
     let servo = servo(&machine, plant.period_s).expect("an accepted machine");
-    let with = PARTS.map(|(_, parts)| follow(&plant, &track, &servo, parts));
-    let off = follow(&plant, &track, &servo, Dynamics::NONE);
+    let mut adapts = machine.clone();
+    adapts.axes.iter_mut().filter_map(|axis| axis.servo.friction.as_mut()).for_each(|friction| friction.adapt = ADAPT);
+    let adapting = self::servo(&adapts, plant.period_s).expect("an accepted machine");
+    let with = PARTS.map(|(name, parts)| match name {
+        ADAPTING => follow(&plant, &track, &adapting, parts, BEFORE),
+        _ => follow(&plant, &track, &servo, parts, 0),
+    });
+    let off = follow(&plant, &track, &servo, Dynamics::NONE, 0);
     Case { number, plant, shape, feed_mm_per_s, gains, off, with }
 }
 
@@ -139,8 +148,8 @@ impl Track {
     }
 }
 
-/// Follows the track with some parts of the correction.
-fn follow(plant: &Plant, track: &Track, servo: &HostServo<'static, 3>, parts: Dynamics) -> Outcome {
+/// Follows the track with some parts of the correction, `before` times without counting.
+fn follow(plant: &Plant, track: &Track, servo: &HostServo<'static, 3>, parts: Dynamics, before: usize) -> Outcome {
     let commands = &track.course.commands;
     let first = commands.iter().position(|command| command.cutting).unwrap_or(0);
     let settling = (SETTLING_S / plant.period_s) as usize;
@@ -151,7 +160,9 @@ fn follow(plant: &Plant, track: &Track, servo: &HostServo<'static, 3>, parts: Dy
     let mut state = servo.start();
     let path = track.course.path();
     let (mut errors, mut led_out) = (Vec::new(), false);
-    for (cycle, command) in commands[first..].iter().enumerate() {
+    let track_cycles = commands.len() - first;
+    let counts = before * track_cycles + settling;
+    for (cycle, command) in commands[first..].iter().cycle().take((before + 1) * track_cycles).enumerate() {
         let readings = [drives[0].position(), drives[1].position()];
         let mut input = servo.input(command.at, [readings[0], readings[1], command.at[2]]);
         input.dynamics = parts;
@@ -160,7 +171,7 @@ fn follow(plant: &Plant, track: &Track, servo: &HostServo<'static, 3>, parts: Dy
         for (i, drive) in drives.iter_mut().enumerate() {
             drive.cycle(output.drive[i], readings[i], 1.0);
         }
-        if cycle >= settling {
+        if cycle >= counts {
             errors.push(1e3 * track.error([drives[0].load_position(), drives[1].load_position()]));
         }
     }

@@ -83,10 +83,10 @@ impl<R: Real> Probe<R> {
         let (drive, friction) = (servo.drive?, servo.friction.filter(|friction| friction.adapt > 0.0)?);
         let filter = |time_s: f64, of: f64| R::of(if of > 0.0 { 1.0 - libm::exp(-time_s / of) } else { 1.0 });
         let (position, velocity) = (drive.position_gain_per_s * period_s, drive.velocity_gain_per_s * period_s);
-        let parts = libm::ceil(velocity / PART).max(1.0).min(f64::from(PARTS));
+        let parts = libm::ceil(velocity / PART).limit(1.0, f64::from(PARTS));
         let part_s = period_s / parts;
         let length_s = LENGTH / drive.position_gain_per_s + drive.dead_time_s;
-        let cycles = libm::ceil((length_s / period_s).max(SHORTEST).min(LONGEST));
+        let cycles = libm::ceil((length_s / period_s).limit(SHORTEST, LONGEST));
         Some(Probe {
             cycles: cycles as u32,
             parts: parts as u32,
