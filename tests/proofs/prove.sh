@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
-# Proves the limiter's bounds on the compiler's code of it and in real arithmetic, and checks that each proof fails on
-# planted defects. Installs its Python packages into target/proofs/venv.
+# Proves the bounds of the limiter, on the compiler's code of it and in real arithmetic, and of the friction that adapts, and
+# checks that each proof fails on planted defects. Installs its Python packages into target/proofs/venv.
 #
 #   prove.sh           single precision on the host; a minute of one core
+#   prove.sh adapt     only the friction that adapts; seconds
 #   prove.sh --full    double precision, any velocity, and the code of a Cortex-M, too; each claim MINUTES [30] at the longest
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 exec </dev/null
 
 full=${1-}
-[[ -z $full || $full == --full ]] || { echo 'usage: prove.sh [--full]' >&2; exit 2; }
+[[ -z $full || $full == --full || $full == adapt ]] || { echo 'usage: prove.sh [adapt | --full]' >&2; exit 2; }
 root=$(cd ../.. && pwd)
 target=${CARGO_TARGET_DIR:-$root/target}/proofs
 mkdir -p "$target"
@@ -33,7 +34,16 @@ emit() {
     [[ -s $folder.sizes ]]
     find "$folder" -name "$name-*.ll" -exec cp {} "$folder.ll" \;
 }
-mkdir -p "$target/trueaxis_limiter_ir" "$target/trueaxis_limiter_controls"
+mkdir -p "$target"/trueaxis_{limiter,adapt}_{ir,controls}
+
+emit adapt/Cargo.toml trueaxis_adapt_ir
+"$python" adapt.py "$target"/trueaxis_adapt_ir.{ll,sizes}
+"$python" adapt_controls.py "$target/adapt-controls" >"$target/adapt-controls.txt"
+emit "$target/adapt-controls/Cargo.toml" trueaxis_adapt_controls
+mapfile -t defects <"$target/adapt-controls.txt"
+"$python" adapt.py --must-fail "$target"/trueaxis_adapt_controls.{ll,sizes} "${defects[@]}"
+[[ $full != adapt ]] || exit 0
+
 emit limiter/Cargo.toml trueaxis_limiter_ir
 host=("$target/trueaxis_limiter_ir.ll" "$target/trueaxis_limiter_ir.sizes")
 "$python" limiter.py "${host[@]}" follow_f32 freeze_f32 hold_f32

@@ -33,6 +33,7 @@ fn machine([friction, gains, presliding]: Off) -> Machine {
             presliding: presliding * truth.presliding_mm,
             viscous: friction * truth.viscous_per_s / truth.velocity_gain_per_s,
             lead_s: 0.0,
+            adapt: 0.0,
         });
     }
     machine

@@ -25,6 +25,7 @@ const FRICTION: FrictionSettings = FrictionSettings {
     presliding: 0.006,
     viscous: 0.005,
     lead_s: 0.0,
+    adapt: 0.0,
 };
 
 /// Two feeds, each in both directions, from rest to rest.

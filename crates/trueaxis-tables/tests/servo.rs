@@ -102,6 +102,7 @@ fn every_key_arrives_in_its_unit() {
             presliding: 0.0072,
             viscous: 0.004,
             lead_s: 0.0002,
+            adapt: 0.0,
         })
     );
     let limits = Limits { magnitude: 0.04, slope_per_s: 0.8, acceleration_per_s2: 150.0 };

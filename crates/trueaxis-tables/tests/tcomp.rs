@@ -177,6 +177,7 @@ fn servo_settings_are_where_documented() {
         presliding: 0.007,
         viscous: 0.004,
         lead_s: 2e-4,
+        adapt: 0.0,
     });
     x.dynamic = Some(DynamicSettings { limits, lag: true, acceleration: false, take_up: true, lag_s: 0.0 });
     // With any resonance above 100 Hz no larger gain is safe.

@@ -170,6 +170,12 @@ pub const COULOMB: ByKind =
     ByKind::new(Range::new(0.0, 1e3, "0 to 1000 mm/s"), Range::new(0.0, 1e3, "0 to 1000 degrees/s"));
 /// Static friction above Coulomb friction, as a share of it.
 pub const STRIBECK_SHARE: Range = Range::new(0.0, 10.0, "a share of 0 to 10");
+/// Share of its identified figures by which friction adapts; beyond the end of it, no pre-sliding would be left.
+pub const ADAPT: Range = Range::new(
+    0.0,
+    0.9,
+    "a share of 0 (off) to 0.9 by which the figures may leave the identified ones, so that these lie in the interval",
+);
 /// Velocity at which half of that share remains.
 pub const STRIBECK_VELOCITY: ByKind =
     ByKind::new(Range::new(1e-3, 1e3, "0.001 to 1000 mm/s"), Range::new(1e-3, 1e3, "0.001 to 1000 degrees/s"));

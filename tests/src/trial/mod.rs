@@ -19,11 +19,15 @@ pub use plant::{Plant, Resonance};
 pub use run::{Outcome, Shape};
 pub use tally::{Bands, Improvement, Row, Tally};
 
+/// The row in which the friction adapts: it has followed the track before, as often as [`run::BEFORE`].
+const ADAPTING: &str = "friction, adapting";
+
 /// Combinations of parts that are compared with no part: name and parts.
-pub const PARTS: [(&str, Dynamics); 6] = [
+pub const PARTS: [(&str, Dynamics); 7] = [
     ("everything", Dynamics::ALL),
     ("feed-forward", Dynamics(1 | 2 | 4)),
     ("friction", Dynamics::FRICTION),
+    (ADAPTING, Dynamics::FRICTION),
     ("lag", Dynamics::LAG),
     ("acceleration", Dynamics::ACCELERATION),
     ("feedback", Dynamics::FEEDBACK),

@@ -1,7 +1,7 @@
 //! One plant on its track, with and without the parts.
 
 use super::error::{Size, amplitude, late_vibration};
-use super::{Case, Cut, PARTS, Plant, Resonance};
+use super::{ADAPTING, Case, Cut, PARTS, Plant, Resonance};
 use crate::course::Course;
 use serde::Serialize;
 use trueaxis::contour::Method;
@@ -18,6 +18,9 @@ const SETTLING_S: f64 = 0.1;
 const PROPORTIONAL: [f64; 11] = [0.3, 0.21, 0.15, 0.1, 0.07, 0.05, 0.035, 0.025, 0.015, 0.01, 0.0];
 /// K_i, as in the sample machines, 1/s.
 const INTEGRAL_PER_S: f64 = 10.0;
+/// Share by which friction adapts, and how often the track is followed before it counts.
+const ADAPT: f64 = 0.6;
+pub(super) const BEFORE: usize = 10;
 
 /// Shape of the track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -71,8 +74,14 @@ pub(super) fn run(
     let (machine, gains) = accepted(&plant, resonance);
     let track = Track::new(shape, feed_mm_per_s, plant.period_s, &machine);
     let servo = servo(&machine, plant.period_s).expect("an accepted machine");
-    let with = PARTS.map(|(_, parts)| follow(&plant, &track, &cut, &servo, parts));
-    let off = follow(&plant, &track, &cut, &servo, Dynamics::NONE);
+    let mut adapts = machine.clone();
+    adapts.axes.iter_mut().filter_map(|axis| axis.servo.friction.as_mut()).for_each(|friction| friction.adapt = ADAPT);
+    let adapting = self::servo(&adapts, plant.period_s).expect("an accepted machine");
+    let with = PARTS.map(|(name, parts)| match name {
+        ADAPTING => follow(&plant, &track, &cut, &adapting, parts, BEFORE),
+        _ => follow(&plant, &track, &cut, &servo, parts, 0),
+    });
+    let off = follow(&plant, &track, &cut, &servo, Dynamics::NONE, 0);
     Case { number, plant, shape, feed_mm_per_s, cut, gains, off, with }
 }
 
@@ -150,8 +159,15 @@ impl Track {
     }
 }
 
-/// Follows the track with some parts of the correction.
-fn follow(plant: &Plant, track: &Track, cut: &Cut, servo: &HostServo<'static, 3>, parts: Dynamics) -> Outcome {
+/// Follows the track with some parts of the correction, `before` times without counting.
+fn follow(
+    plant: &Plant,
+    track: &Track,
+    cut: &Cut,
+    servo: &HostServo<'static, 3>,
+    parts: Dynamics,
+    before: usize,
+) -> Outcome {
     let commands = &track.course.commands;
     let first = commands.iter().position(|command| command.cutting).unwrap_or(0);
     let settling = (SETTLING_S / plant.period_s) as usize;
@@ -164,8 +180,10 @@ fn follow(plant: &Plant, track: &Track, cut: &Cut, servo: &HostServo<'static, 3>
     let path = track.course.path();
     let (mut errors, mut off_command, mut led_out) = (Vec::new(), [Vec::new(), Vec::new()], false);
     let mut shaken = [0.0; 2];
-    for (cycle, command) in commands[first..].iter().enumerate() {
-        let time_s = cycle as f64 * plant.period_s;
+    let track_cycles = commands.len() - first;
+    let counts = before * track_cycles + settling;
+    for (cycle, command) in commands[first..].iter().cycle().take((before + 1) * track_cycles).enumerate() {
+        let time_s = (cycle % track_cycles) as f64 * plant.period_s;
         let load = cut.load_at(time_s, duration_s);
         let readings = [0, 1].map(|i| match plant.drives[i].scale_at {
             ScaleAt::Motor => drives[i].position(),
@@ -179,8 +197,7 @@ fn follow(plant: &Plant, track: &Track, cut: &Cut, servo: &HostServo<'static, 3>
             drive.push(load[i]);
             drive.cycle(output.drive[i], readings[i], 1.0);
         }
-        shaken = cut.chatter_at(time_s);
-        if cycle >= settling {
+        if cycle >= counts {
             let loads = [0, 1].map(|i| drives[i].load_position() + shaken[i]);
             errors.push(1e3 * track.error(loads));
             off_command.iter_mut().enumerate().for_each(|(i, off)| off.push(1e3 * (loads[i] - command.at[i])));

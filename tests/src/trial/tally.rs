@@ -207,14 +207,14 @@ impl fmt::Display for Tally {
         writeln!(f, "{}: {plants} plants", self.group)?;
         writeln!(
             f,
-            "  {:<14}{:>8}{:>10}{:>10}{:>9}{:>9}{:>10}{:>9}  {:>13}{:>8}",
+            "  {:<20}{:>8}{:>10}{:>10}{:>9}{:>9}{:>10}{:>9}  {:>13}{:>8}",
             "parts", "worse", "over 2x", "unstable", "chatter", "led out", "largest", "plant", "median p99.9", "RMS"
         )?;
         for row in &self.rows {
             let (largest, number) = row.largest;
             writeln!(
                 f,
-                "  {:<14}{:>8}{:>10}{:>10}{:>9}{:>9}{largest:>10.2}{number:>9}  {:>13.3}{:>8.3}",
+                "  {:<20}{:>8}{:>10}{:>10}{:>9}{:>9}{largest:>10.2}{number:>9}  {:>13.3}{:>8.3}",
                 row.parts, row.worse, row.doubled, row.unstable, row.chatter, row.led_out, row.median[0], row.median[1]
             )?;
         }

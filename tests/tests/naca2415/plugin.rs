@@ -68,6 +68,7 @@ pub(crate) fn machine(gains: Option<Gains>, feed_forward: Option<Off>) -> Machin
                 presliding: 1e-3,
                 viscous: cascade.viscous / cascade.velocity_gain * off.friction,
                 lead_s: 0.0,
+                adapt: 0.0,
             }),
             dynamic: Some(DynamicSettings { limits, lag: on, acceleration: on, take_up: false, lag_s: 0.0 }),
         };

@@ -97,6 +97,7 @@ impl Values {
             presliding: v[PRESLIDING],
             viscous: v[VISCOUS],
             lead_s: 0.0,
+            adapt: 0.0,
         }
     }
 

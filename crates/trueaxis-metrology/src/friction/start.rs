@@ -12,6 +12,7 @@ const TYPICAL: FrictionSettings = FrictionSettings {
     presliding: 0.005,
     viscous: 0.0,
     lead_s: 0.0,
+    adapt: 0.0,
 };
 /// Initial drive; current loop and dead time are not fitted.
 pub(super) const DRIVE: DriveFigures = DriveFigures {

@@ -31,6 +31,7 @@ pub(super) fn axis(text: &mut String, own: &AxisSettings) {
         lines.number(&velocity, own.stribeck_velocity_per_s, plain.stribeck_velocity_per_s);
         lines.number("viscous", own.viscous, plain.viscous);
         lines.number("lead_s", own.lead_s, plain.lead_s);
+        lines.number("adapt", own.adapt, plain.adapt);
         section(text, &format!("{name}.friction"), &lines.0);
     }
     if let Some(dynamic) = &own.servo.dynamic {

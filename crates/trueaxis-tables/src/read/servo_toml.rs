@@ -107,6 +107,7 @@ fn read_friction(section: Section<'_>, units: &Units) -> Result<FrictionSettings
     section.store(&mut friction.stribeck_velocity_per_s, &format!("stribeck_velocity_{unit}_per_s"), same)?;
     section.store(&mut friction.viscous, "viscous", same)?;
     section.store(&mut friction.lead_s, "lead_s", same)?;
+    section.store(&mut friction.adapt, "adapt", same)?;
     let [coulomb, presliding, velocity] =
         [format!("coulomb_{unit}_per_s"), format!("presliding_{micro}"), format!("stribeck_velocity_{unit}_per_s")];
     uncertainties_of(&section, [&coulomb, &presliding, "stribeck_share", &velocity, "viscous"])?;

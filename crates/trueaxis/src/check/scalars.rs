@@ -7,8 +7,8 @@ use crate::machine::{
     MachineSettings, ThermalGrowth,
 };
 use crate::range::{
-    ACCELERATION, BACKLASH, COMMON_LAG, COULOMB, CROSSTALK, CURRENT_LOOP, DEAD_TIME, ENCODER_STEP, EXPANSION, FADE,
-    FEED, FEEDBACK_GAIN, FEEDBACK_INTEGRAL, HYSTERESIS, JOINT, JUMP_FACTOR, LAG, LENGTH, MAGNITUDE, PLAUSIBLE,
+    ACCELERATION, ADAPT, BACKLASH, COMMON_LAG, COULOMB, CROSSTALK, CURRENT_LOOP, DEAD_TIME, ENCODER_STEP, EXPANSION,
+    FADE, FEED, FEEDBACK_GAIN, FEEDBACK_INTEGRAL, HYSTERESIS, JOINT, JUMP_FACTOR, LAG, LENGTH, MAGNITUDE, PLAUSIBLE,
     POSITION, POSITION_GAIN, PRESLIDING, RESET_TIME, RESONANCE, RESONANCE_DAMPING, ROTATION, SHARE, SINGULAR_CONE,
     SLOPE, STRIBECK_SHARE, STRIBECK_VELOCITY, TEMPERATURE, THERMAL_OFFSET, TOOL_AXIS, TRANSLATION, VELOCITY_GAIN,
     VISCOUS, WATCH,
@@ -136,14 +136,22 @@ fn of_servo(servo: &AxisServo, axis: Axis) -> Result<(), ConfigError> {
         }
     }
     if let Some(friction) = friction {
-        let FrictionSettings { coulomb_per_s, stribeck_share, stribeck_velocity_per_s, presliding, viscous, lead_s } =
-            friction;
+        let FrictionSettings {
+            coulomb_per_s,
+            stribeck_share,
+            stribeck_velocity_per_s,
+            presliding,
+            viscous,
+            lead_s,
+            adapt,
+        } = friction;
         COULOMB.of(axis).check(*coulomb_per_s, Field::Coulomb, on)?;
         STRIBECK_SHARE.check(*stribeck_share, Field::StribeckShare, on)?;
         STRIBECK_VELOCITY.of(axis).check(*stribeck_velocity_per_s, Field::StribeckVelocity, on)?;
         PRESLIDING.of(axis).check(*presliding, Field::Presliding, on)?;
         VISCOUS.check(*viscous, Field::Viscous, on)?;
         DEAD_TIME.check(*lead_s, Field::FrictionLead, on)?;
+        ADAPT.check(*adapt, Field::FrictionAdapt, on)?;
     }
     let Some(DynamicSettings { limits, lag: _, acceleration: _, take_up: _, lag_s }) = dynamic else { return Ok(()) };
     let Limits { magnitude, slope_per_s, acceleration_per_s2 } = limits;

@@ -13,12 +13,14 @@
 //! The geometric correction enters rate-limited, ahead of the axis limiter: the part withheld by that limiter would
 //! return through a, with a gain of 1/(K_vp T). The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs
 //! that are constant over a period; for k_ff = 0 it is u = (h + v)/K_v. Where the machine states a lag L, it takes the
-//! place of the drive's own: L K_v instead of 1 − k_ff. Cost: two divisions and some 20 multiplications
+//! place of the drive's own: L K_v instead of 1 − k_ff. Where friction adapts ([`super::adapt`]), its factors multiply F_c
+//! and 1/z. Cost: two divisions and some 20 multiplications
 //! and additions per axis.
 
 #![deny(clippy::indexing_slicing)]
 
 use super::Dynamics;
+use super::adapt::{Factors, Intervals};
 use crate::machine::{AxisServo, DynamicSettings};
 use crate::real::Real;
 
@@ -42,10 +44,12 @@ pub(super) struct FeedForward<R> {
     decay: R,
     keep: R,
     gain: R,
+    /// Where the friction may adapt.
+    intervals: Option<Intervals<R>>,
 }
 
 /// State of an axis.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Drift<R> {
     /// Friction state f, −1 … 1.
     friction: R,
@@ -56,6 +60,16 @@ pub(super) struct Drift<R> {
     offset: R,
     /// mm (deg) per period.
     velocity: R,
+    /// Factors on the identified friction.
+    pub(super) factors: Factors<R>,
+}
+
+impl<R: Real> Default for Drift<R> {
+    fn default() -> Self {
+        let zero = R::ZERO;
+        let factors = Factors::default();
+        Drift { friction: zero, force: zero, missing: zero, offset: zero, velocity: zero, factors }
+    }
 }
 
 impl<R: Real> Drift<R> {
@@ -69,6 +83,18 @@ impl<R: Real> Drift<R> {
     #[inline(always)]
     pub(super) fn velocity(&self) -> R {
         self.velocity
+    }
+
+    /// Friction state f.
+    #[inline(always)]
+    pub(super) fn friction(&self) -> R {
+        self.friction
+    }
+
+    /// Changes the force, of which the drive already supplies the same share.
+    pub(super) fn shift(&mut self, force: R, factor: R) {
+        self.force += force;
+        self.missing = self.missing * factor;
     }
 }
 
@@ -88,6 +114,7 @@ impl<R: Real> FeedForward<R> {
             decay: zero,
             keep: zero,
             gain: zero,
+            intervals: None,
         }
     }
 
@@ -115,8 +142,50 @@ impl<R: Real> FeedForward<R> {
             law.stribeck = R::of(friction.coulomb_per_s * friction.stribeck_share * period_s);
             law.viscous = R::of(friction.viscous);
             law.lead = R::of(friction.lead_s / period_s);
+            law.intervals = (friction.adapt > 0.0).then(|| Intervals::new(friction.adapt));
         }
         law
+    }
+
+    /// Where the friction may adapt.
+    #[inline(always)]
+    pub(super) fn intervals(&self) -> Option<&Intervals<R>> {
+        self.intervals.as_ref()
+    }
+
+    /// Factors of Coulomb friction and of 1/z.
+    #[inline(always)]
+    fn factors(&self, state: &Drift<R>) -> [R; 2] {
+        match &self.intervals {
+            None => [R::ONE; 2],
+            Some(intervals) => [intervals.level.used(&state.factors.level), intervals.rate.used(&state.factors.rate)],
+        }
+    }
+
+    /// The distance of the lead's velocity.
+    #[inline(always)]
+    pub(super) fn ahead(&self, way: R, change: R) -> R {
+        way + change * self.lead
+    }
+
+    /// That distance over the pre-sliding.
+    #[inline(always)]
+    pub(super) fn travel(&self, state: &Drift<R>, ahead: R) -> R {
+        let [_, rate] = self.factors(state);
+        ahead * self.per_presliding * rate
+    }
+
+    /// Force of sliding friction without its viscous part.
+    #[inline(always)]
+    pub(super) fn sliding(&self, state: &Drift<R>, ahead: R) -> R {
+        let [level, _] = self.factors(state);
+        let ratio = ahead * self.per_stribeck;
+        (self.coulomb + self.stribeck / (R::ONE + ratio * ratio)) * level
+    }
+
+    #[inline(always)]
+    pub(super) fn viscous(&self) -> R {
+        self.viscous
     }
 
     /// The offset of a cycle that takes no time: the previous one.
@@ -130,14 +199,12 @@ impl<R: Real> FeedForward<R> {
     #[inline(always)]
     pub(super) fn offset(&self, state: &mut Drift<R>, way: R, parts: Dynamics, supplied: bool) -> R {
         let change = way - state.velocity;
-        let ahead = way + change * self.lead;
-        let travel = ahead * self.per_presliding;
+        let ahead = self.ahead(way, change);
+        let travel = self.travel(state, ahead);
         state.friction = (state.friction + travel) / (R::ONE + travel.abs());
         let mut force = R::ZERO;
         if parts.has(Dynamics::FRICTION) {
-            let ratio = ahead * self.per_stribeck;
-            let sliding = self.coulomb + self.stribeck / (R::ONE + ratio * ratio);
-            force = sliding * state.friction + self.viscous * way;
+            force = self.sliding(state, ahead) * state.friction + self.viscous * way;
         }
         if parts.has(Dynamics::ACCELERATION) {
             force += self.acceleration * change;

@@ -15,12 +15,15 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod adapt;
+mod adaptation;
 mod common;
 mod crosstalk;
 mod feed_forward;
 mod feedback;
 mod harm;
 mod parts;
+mod spike;
 mod stage;
 mod state;
 mod watch;

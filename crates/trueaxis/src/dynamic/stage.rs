@@ -2,11 +2,13 @@
 
 #![deny(clippy::indexing_slicing)]
 
+use super::adaptation::Adaptation;
 use super::common::{self, Common, Room, Wanted};
 use super::crosstalk::Crosstalk;
 use super::feed_forward::FeedForward;
 use super::feedback::{Feedback, NotchFilter, NotchState};
 use super::harm::{Harm, Trial, Wave};
+use super::spike::Probe;
 use super::watch::{Swing, Watch};
 use super::{DynamicParts, DynamicState, Dynamics};
 use crate::check::{notches, of_dynamic};
@@ -58,6 +60,8 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
     /// Whether any axis takes up its lost motion.
     takes_up: bool,
     common: Option<Common<R>>,
+    /// `None` if the friction of no axis adapts.
+    adaptation: Option<Adaptation<R, N>>,
     feedback: Option<(Feedback<R>, Watch<R>, Harm<R>)>,
     /// Notches of the feedback by linear axis, if any axis has one.
     notches: Option<[NotchFilter<R>; 3]>,
@@ -92,10 +96,11 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let crosstalk = Crosstalk::new(order, machine, period_s)?;
         let mut any = feedback.is_some() || !machine.crosstalk.is_empty();
         let idle = Limiter::new(&DynamicSettings::with_defaults(crate::axis::Axis::X).limits, period_s)?;
-        let mut axes = [Act::idle(idle); N];
-        for (act, settings) in axes.iter_mut().zip(order.settings(machine)) {
+        let (mut axes, mut probes) = ([Act::idle(idle); N], [None; N]);
+        for ((act, probe), settings) in axes.iter_mut().zip(&mut probes).zip(order.settings(machine)) {
             let Some(settings) = settings else { continue };
             let servo = &settings.servo;
+            *probe = Probe::new(servo, period_s);
             any |= servo.friction.is_some() || servo.dynamic.is_some();
             let dynamic = servo.dynamic.unwrap_or(DynamicSettings::with_defaults(settings.axis));
             let limiter: Limiter<R> =
@@ -127,13 +132,27 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 *filter = NotchFilter::new(&notch, period_s);
             }
         }
-        Ok(any.then_some(DynamicStage { axes, takes_up, common, feedback, notches: filters, crosstalk, part }))
+        let adaptation = probes.iter().any(Option::is_some).then_some(Adaptation { probes });
+        let stage = DynamicStage { axes, takes_up, common, adaptation, feedback, notches: filters, crosstalk, part };
+        Ok(any.then_some(stage))
     }
 
     /// Makes the calling code unreachable in a build without the part.
     #[inline(always)]
     pub(crate) fn exists(&self) {
         self.part.exists();
+    }
+
+    /// Whether the friction of an axis adapts.
+    #[inline(always)]
+    pub(crate) fn adapts(&self) -> bool {
+        self.adaptation.is_some()
+    }
+
+    /// Factors on the identified Coulomb friction and pre-sliding of an axis that adapts.
+    pub(crate) fn factors(&self, state: &DynamicState<R, P, N>, slot: usize) -> Option<[R; 2]> {
+        let (act, drift) = (self.axes.get(slot)?, state.drift.get(slot)?);
+        act.law.intervals().map(|intervals| intervals.used(&drift.factors))
     }
 
     /// Ramps the geometric corrections; returns one bit for every axis that has not reached its correction yet.
@@ -320,6 +339,13 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             if let (Some(common), true) = (&self.common, act.shares) {
                 common.advance(shared, way, *change, on, supplied);
             }
+        }
+        if let Some(adaptation) = &self.adaptation {
+            let follows = sample.verdict == Verdict::Active
+                && on.has(Dynamics::FRICTION)
+                && sample.due
+                && !(supplied || moment.late);
+            adaptation.cycle(self.axes.each_ref().map(|act| &act.law), state, sample, &changes, follows);
         }
         self.feed_back(state, sample, moment, on, &mut parts.feedback);
         if let (Some(crosstalk), true) = (&self.crosstalk, on.has(Dynamics::CROSSTALK)) {

@@ -3,11 +3,14 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::Dynamics;
+use super::adapt::Factors;
+use super::adaptation::Adapted;
 use super::common::Shared;
 use super::feed_forward::Drift;
 use super::feedback::NotchState;
 use super::harm::{Trial, Wave};
 use super::watch::Swing;
+use crate::error::Fault;
 use crate::limiter::LimiterState;
 use crate::position::Position;
 use crate::real::Real;
@@ -16,6 +19,7 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) drift: [Drift<R>; N],
+    pub(super) adapted: Adapted<R, P, N>,
     pub(super) shared: [Shared<R>; N],
     /// Share of the common part that was sent last.
     pub(super) share: R,
@@ -53,6 +57,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
     pub(crate) fn new() -> Self {
         DynamicState {
             drift: [Drift::default(); N],
+            adapted: Adapted::new(),
             shared: [Shared::default(); N],
             share: R::ONE,
             limited: [LimiterState::default(); N],
@@ -152,6 +157,23 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
     #[inline(always)]
     pub(crate) fn trend_mut(&mut self) -> &mut [R; N] {
         &mut self.trend
+    }
+
+    /// Freezes the friction where it is, or lets it adapt again.
+    pub(crate) fn freeze_friction(&mut self, frozen: bool) {
+        self.adapted.freeze(frozen);
+    }
+
+    /// Returns to the identified friction.
+    pub(crate) fn reset_friction(&mut self) {
+        self.adapted.clear();
+        self.drift.iter_mut().for_each(|drift| drift.factors = Factors::default());
+    }
+
+    /// The fault of the friction, and its axis.
+    #[inline(always)]
+    pub(crate) fn friction_fault(&self) -> Option<(Fault, u8)> {
+        self.adapted.fault()
     }
 
     /// Whether the watch has ramped the feedback out.

@@ -265,4 +265,6 @@ fields! {
     ResonanceDamping: "axis.*.drive.resonance_damping";
     /// Frequency below which an axis has no resonance.
     LowestResonance: "axis.*.drive.lowest_resonance_hz";
+    /// Interval in which the friction adapts.
+    FrictionAdapt: "axis.*.friction.adapt";
 }

@@ -112,7 +112,8 @@ impl core::error::Error for ConfigError {}
 
 /// Fault of a servo cycle; reported in its output and telemetry.
 ///
-/// Three classes. *Bad feedback* (1 to 15): the correction freezes, the command passes. *Bad command* (16 to 31): the
+/// Four classes. *Bad feedback* (1 to 11): the correction freezes, the command passes. *Friction* (12 to 15): reported until
+/// a reset, while the correction continues with the identified friction. *Bad command* (16 to 31): the
 /// output holds and a stop request is latched until a reset near the held position. *Refused at start* (32 and above):
 /// the plugin stays inactive, the command passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -137,6 +138,10 @@ pub enum Fault {
     LateCycle = 5,
     /// A reading moves against the command, or by about half or twice as much: sign or scale of the encoder are wrong.
     FeedbackRatio = 6,
+    /// An axis whose friction adapts sticks and slips: its friction is back at the identified figures.
+    StickSlip = 12,
+    /// The friction of an axis that adapts has the wrong sign at its reversals: it is back at the identified figures.
+    FrictionReversed = 13,
     /// A command is infinite or not a number.
     CommandNotFinite = 16,
     /// A command lies outside the declared travel.
@@ -178,6 +183,10 @@ impl fmt::Display for Fault {
             Fault::FeedbackRatio => {
                 "an encoder reading moves against the command, or by about half or twice as much: check its sign and scale"
             }
+            Fault::StickSlip => "an axis sticks and slips, so that its friction no longer adapts",
+            Fault::FrictionReversed => {
+                "the friction of an axis has the wrong sign at its reversals, so that it no longer adapts"
+            }
             Fault::CommandNotFinite => "a command is not a finite number",
             Fault::CommandOutOfTravel => "a command lies outside the travel of its axis",
             Fault::CommandJump => "a command changed more in a cycle than the axis can move",
@@ -198,7 +207,7 @@ impl core::error::Error for Fault {}
 impl Fault {
     /// Whether the correction freezes and the command passes.
     pub const fn freezes(self) -> bool {
-        (self as u8) > 0 && (self as u8) < 16
+        (self as u8) > 0 && (self as u8) < 12
     }
 
     /// Whether the output holds and a stop is requested.
@@ -230,6 +239,8 @@ impl TryFrom<u8> for Fault {
             Fault::EncoderAlarm,
             Fault::LateCycle,
             Fault::FeedbackRatio,
+            Fault::StickSlip,
+            Fault::FrictionReversed,
             Fault::CommandNotFinite,
             Fault::CommandOutOfTravel,
             Fault::CommandJump,
@@ -292,7 +303,7 @@ mod tests {
     fn every_fault_has_a_sentence_of_its_own() {
         let faults: std::vec::Vec<Fault> = (0..=u8::MAX).filter_map(|code| Fault::try_from(code).ok()).collect();
         let sentences: BTreeSet<_> = faults.iter().map(ToString::to_string).collect();
-        assert_eq!((faults.len(), sentences.len()), (18, 18));
+        assert_eq!((faults.len(), sentences.len()), (20, 20));
         assert!(sentences.iter().all(|text| text.is_ascii() && text.len() > 7 && !text.ends_with('.')));
     }
 }

@@ -81,11 +81,14 @@ pub struct FrictionSettings {
     pub viscous: f64,
     /// Friction is computed for the velocity commanded this much later, s, extrapolated with the commanded acceleration.
     pub lead_s: f64,
+    /// Share of the identified figures by which Coulomb friction and pre-sliding may follow the spikes that are left at
+    /// reversals; 0: not at all. A compiled file stores it behind the settings.
+    pub adapt: f64,
 }
 
 impl FrictionSettings {
     /// Creates friction from Coulomb friction F_c/K_vp (mm/s) and pre-sliding (mm), the rest at its defaults: no Stribeck
-    /// and no viscous part, no lead.
+    /// and no viscous part, no lead, no adaptation.
     pub const fn with_defaults(coulomb_per_s: f64, presliding: f64) -> FrictionSettings {
         FrictionSettings {
             coulomb_per_s,
@@ -94,6 +97,7 @@ impl FrictionSettings {
             presliding,
             viscous: 0.0,
             lead_s: 0.0,
+            adapt: 0.0,
         }
     }
 }

@@ -48,6 +48,18 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         }
     }
 
+    /// Factors on the identified Coulomb friction and pre-sliding of the axis in a slot (0 = X), as they are in use; `None` if
+    /// the friction of that axis does not adapt.
+    pub fn friction_factors(&self, state: &State<R, P, N>, slot: usize) -> Option<[R; 2]> {
+        self.dynamic()?.factors(&state.dynamic, slot)
+    }
+
+    /// The fault of an axis whose friction adapts, and its slot.
+    #[inline(always)]
+    pub(super) fn friction_fault(&self, state: &State<R, P, N>) -> Option<(Fault, u8)> {
+        self.dynamic().filter(|stage| stage.adapts()).and_then(|_| state.dynamic.friction_fault())
+    }
+
     /// Runs the output stage with the dynamic correction added to the wanted one.
     #[inline(never)]
     pub(super) fn apply_dynamic(

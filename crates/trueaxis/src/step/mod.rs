@@ -298,6 +298,9 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             Some(slot) => (Fault::JointRange, slot, Verdict::Hold.status()),
             None => (sample.fault, sample.axis, sample.verdict.status()),
         };
+        if let (Fault::None, Some((fault, slot))) = (record.fault, self.friction_fault(state)) {
+            (record.fault, record.fault_axis) = (fault, slot);
+        }
         let status = Status(status.0 | applied.status.0);
         record.status = status.with(Status::CONTOUR, record.tip.is_measured());
         (record.limited, record.at_edge) = (applied.limited, at_edge);

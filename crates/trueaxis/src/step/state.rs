@@ -52,6 +52,18 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
         self.poses.forget();
         Ok(())
     }
+
+    /// Freezes the friction of all axes where it is, or lets it adapt again
+    /// ([`FrictionSettings::adapt`](crate::machine::FrictionSettings::adapt)).
+    pub fn freeze_friction(&mut self, frozen: bool) {
+        self.dynamic.freeze_friction(frozen);
+    }
+
+    /// Returns to the identified friction of all axes and forgets a fault of it; takes effect in the next cycle, through
+    /// the limiter.
+    pub fn reset_friction(&mut self) {
+        self.dynamic.reset_friction();
+    }
 }
 
 /// A stage of the step, in execution order.

@@ -17,7 +17,7 @@
 //! the table is bidirectional. From version 5 on, the number of grids follows as one byte, then for each grid
 //! [`GridHeader`] in postcard, the positions of free nodes as raw doubles and the nodes as 16-bit numbers
 //! ([`GridData`]), which are read in place. From version 6 on, a raw double for every axis follows: the step of its
-//! encoder (mm, degrees), 0 if not stated. In version 7 four raw doubles for every axis end the payload ([`additions`]), 0
+//! encoder (mm, degrees), 0 if not stated. In version 7 five raw doubles for every axis end the payload ([`additions`]), 0
 //! if not stated.
 
 mod stored;
@@ -499,17 +499,23 @@ fn encoders<'a>(settings: &mut MachineSettings, mut rest: &'a [u8]) -> Result<&'
 }
 
 /// Figures of an axis' servo that version 7 added: the lag that is compensated (s), then resonance (Hz), its damping (share
-/// of critical) and lowest resonance (Hz); 0: not stated.
-pub fn additions(settings: &AxisSettings) -> [f64; 4] {
+/// of critical) and lowest resonance (Hz), then the share by which friction adapts; 0: not stated.
+pub fn additions(settings: &AxisSettings) -> [f64; 5] {
     let lag_s = settings.servo.dynamic.map_or(0.0, |dynamic| dynamic.lag_s);
     let drive = settings.servo.drive.as_ref();
     let [hz, damping, lowest] =
         drive.map_or([0.0; 3], |drive| [drive.resonance_hz, drive.resonance_damping, drive.lowest_resonance_hz]);
-    [lag_s, hz, damping, lowest]
+    let adapt = settings.servo.friction.map_or(0.0, |friction| friction.adapt);
+    [lag_s, hz, damping, lowest, adapt]
 }
 
 /// Sets the [`additions`] of an axis; `None` if it has no place for one that is stated.
-fn set_additions(settings: &mut AxisSettings, [lag_s, hz, damping, lowest]: [f64; 4]) -> Option<()> {
+fn set_additions(settings: &mut AxisSettings, [lag_s, hz, damping, lowest, adapt]: [f64; 5]) -> Option<()> {
+    match &mut settings.servo.friction {
+        Some(friction) => friction.adapt = adapt,
+        None if adapt != 0.0 => return None,
+        None => {}
+    }
     match &mut settings.servo.dynamic {
         Some(dynamic) => dynamic.lag_s = lag_s,
         None if lag_s != 0.0 => return None,
@@ -527,7 +533,7 @@ fn set_additions(settings: &mut AxisSettings, [lag_s, hz, damping, lowest]: [f64
 /// Reads the additions, after the steps of the encoders.
 fn read_additions<'a>(settings: &mut MachineSettings, mut rest: &'a [u8]) -> Result<&'a [u8], TcompError> {
     for axis in &mut settings.axes {
-        let mut figures = [0.0; 4];
+        let mut figures = [0.0; 5];
         for figure in &mut figures {
             let (bytes, behind) = rest.split_first_chunk().ok_or(TcompError::Settings)?;
             *figure = f64::from_le_bytes(*bytes);

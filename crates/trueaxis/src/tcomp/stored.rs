@@ -246,6 +246,9 @@ struct StoredFriction {
     presliding: f64,
     viscous: f64,
     lead_s: f64,
+    /// At the end of the payload, in version 7.
+    #[serde(skip)]
+    adapt: f64,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -45,6 +45,7 @@ fn everything() -> MachineSettings {
                 presliding: 71.0,
                 viscous: 72.0,
                 lead_s: 73.0,
+                adapt: 0.0,
             }),
             dynamic: Some(DynamicSettings {
                 limits: Limits { magnitude: 74.0, slope_per_s: 75.0, acceleration_per_s2: 76.0 },

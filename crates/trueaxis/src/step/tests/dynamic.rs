@@ -28,6 +28,7 @@ const FRICTION: FrictionSettings = FrictionSettings {
     presliding: 0.006,
     viscous: 0.005,
     lead_s: 0.0,
+    adapt: 0.0,
 };
 /// Wide enough never to bind here.
 const WIDE: Limits = Limits { magnitude: 0.09, slope_per_s: 5.0, acceleration_per_s2: 5000.0 };

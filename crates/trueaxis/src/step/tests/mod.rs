@@ -1,5 +1,6 @@
 #![allow(clippy::indexing_slicing)]
 
+mod adapt;
 mod cells;
 mod combinations;
 mod common_lag;
