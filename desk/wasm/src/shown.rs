@@ -9,6 +9,7 @@ use trueaxis::tcomp::Tcomp;
 use trueaxis_evaluation::accuracy;
 use trueaxis_evaluation::check::{CheckDocument, compiled, findings};
 use trueaxis_evaluation::shown::{self as description, Table};
+use trueaxis_tables::uncertainty::Uncertainties;
 use trueaxis_tables::text::decode;
 use trueaxis_tables::{DriveRate, GridSource, Machine, TableText, rates, table_texts};
 
@@ -101,6 +102,7 @@ pub(crate) fn shown(files: &str, rate_hz: f64, feed_per_min: f64) -> Result<Show
     let mut notes = Vec::new();
     trueaxis_evaluation::check::rate(rate_hz)?;
     let machine = Machine::read_from(&source, name, &mut |note| notes.push(note))?;
+    let known = Uncertainties::read_from(&source, name)?;
     let bytes = compiled(&machine, &source, name, rate_hz)?;
     let tables = Tcomp::parse(&bytes).map_err(|error| anyhow::anyhow!("{error}"))?;
     let rates = rates(&machine, (feed_per_min > 0.0).then_some(feed_per_min / 60.0));
@@ -116,7 +118,7 @@ pub(crate) fn shown(files: &str, rate_hz: f64, feed_per_min: f64) -> Result<Show
         notes,
         axes: machine.settings.axes.iter().map(axis).collect(),
         grids: machine.grids.iter().map(|grid| grid_shown(grid.source())).collect(),
-        check: findings(&machine, &tables, rate_hz).into(),
+        check: findings(&machine, &known, &tables, rate_hz).into(),
         reference_temperature_c: machine.settings.reference_temperature_c,
         accuracy: accuracy::of_tables(&machine),
         measurements,

@@ -57,6 +57,7 @@ pub struct Case {
 /// What all plants of a trial have in common.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions {
+    /// Whether the plugin knows the resonances.
     pub resonance: Resonance,
     /// Neither side load nor chatter.
     pub quiet: bool,

@@ -197,6 +197,7 @@ fn follow(
             drive.push(load[i]);
             drive.cycle(output.drive[i], readings[i], 1.0);
         }
+        shaken = cut.chatter_at(time_s);
         if cycle >= counts {
             let loads = [0, 1].map(|i| drives[i].load_position() + shaken[i]);
             errors.push(1e3 * track.error(loads));

@@ -36,7 +36,7 @@ impl ServoBound {
             notes,
             tables: vec![self.table()],
             plots: vec![self.plot()],
-            map: None,
+            ..Shown::default()
         }
     }
 
