@@ -2,7 +2,7 @@
 
 /// No fault.
 pub const FAULT_NONE: u8 = 0;
-/// A reading is not finite. With faults 1 to 15 the correction freezes and the command passes.
+/// A reading is not finite. With faults 1 to 11 the correction freezes and the command passes.
 pub const FAULT_FEEDBACK_NOT_FINITE: u8 = 1;
 /// A reading changed in one cycle by more than the axis can move, or is more than 1 mm (1 degree) outside the joint's
 /// range.
@@ -15,6 +15,11 @@ pub const FAULT_ENCODER_ALARM: u8 = 4;
 pub const FAULT_LATE_CYCLE: u8 = 5;
 /// A reading moves against the command, or by about half or twice as much: sign or scale of the encoder are wrong.
 pub const FAULT_FEEDBACK_RATIO: u8 = 6;
+/// An axis whose friction adapts sticks and slips. Faults 12 to 15 are reported until a reset, while the correction
+/// continues with the identified friction.
+pub const FAULT_STICK_SLIP: u8 = 12;
+/// The friction of an axis that adapts has the wrong sign at its reversals.
+pub const FAULT_FRICTION_REVERSED: u8 = 13;
 /// A command is not finite. With faults 16 to 31 the output holds and the step requests a stop.
 pub const FAULT_COMMAND_NOT_FINITE: u8 = 16;
 /// A command is outside the declared travel.

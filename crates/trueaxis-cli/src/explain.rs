@@ -189,6 +189,8 @@ fn consequence(fault: Fault) -> &'static str {
         "the output holds, a stop is requested"
     } else if fault.refuses() {
         "the command passes uncorrected"
+    } else if fault != Fault::None {
+        "the correction continues with the identified friction, until a reset"
     } else {
         "the cycle is corrected"
     }

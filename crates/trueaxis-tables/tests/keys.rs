@@ -46,6 +46,7 @@ stribeck_share = 0.3
 stribeck_velocity_mm_per_s = 2
 viscous = 0.004
 lead_s = 0
+adapt = 0.5
 [axis.X.dynamic]
 lag_s = 0.0
 magnitude_um = 40
@@ -88,6 +89,7 @@ stribeck_share = 0.3
 stribeck_velocity_deg_per_s = 2
 viscous = 0.004
 lead_s = 0
+adapt = 0.5
 [axis.C.dynamic]
 lag_s = 0.0
 magnitude_urad = 40
@@ -241,6 +243,7 @@ const WRONG: &[(&str, &str)] = &[
     ("axis.X.friction.stribeck_velocity_mm_per_s", "0"),
     ("axis.X.friction.viscous", "-0.1"),
     ("axis.X.friction.lead_s", "-0.001"),
+    ("axis.X.friction.adapt", "1.1"),
     ("axis.X.dynamic.magnitude_um", "0"),
     ("axis.X.dynamic.slope_mm_per_s", "0"),
     ("axis.X.dynamic.acceleration_mm_per_s2", "0"),
@@ -262,6 +265,7 @@ const WRONG: &[(&str, &str)] = &[
     ("axis.C.friction.stribeck_velocity_deg_per_s", "0"),
     ("axis.C.friction.viscous", "-0.1"),
     ("axis.C.friction.lead_s", "-0.001"),
+    ("axis.C.friction.adapt", "1.1"),
     ("axis.C.dynamic.magnitude_urad", "0"),
     ("axis.C.dynamic.slope_deg_per_s", "0"),
     ("axis.C.dynamic.acceleration_deg_per_s2", "0"),

@@ -4,9 +4,10 @@ use std::path::Path;
 use trueaxis::machine::{
     Axis, CrosstalkSettings, DriveFigures, DynamicSettings, FeedbackSettings, FrictionSettings, Limits,
 };
-use trueaxis_tables::Machine;
+use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::files::Memory;
 use trueaxis_tables::formats::machine_files;
+use trueaxis_tables::{Machine, compile};
 
 /// Every key with a distinct value.
 const MACHINE: &str = "\
@@ -396,4 +397,28 @@ fn the_check_tells_the_feed_at_which_lag_meets_its_limit() {
     let warnings: Vec<String> = trueaxis_tables::check(&machine, 1e4).iter().map(ToString::to_string).collect();
     let expected = "axis X: lag meets the magnitude limit of the dynamic correction at 3000 mm/min and needs";
     assert!(warnings.iter().any(|warning| warning.starts_with(expected)), "{warnings:?}");
+}
+
+/// The machine with `adapt` of X.
+fn adapting(value: &str) -> Result<Machine, String> {
+    read(&MACHINE.replacen("[axis.X.friction]", &format!("[axis.X.friction]\nadapt = {value}"), 1))
+}
+
+#[test]
+fn an_interval_of_friction_that_excludes_the_identified_figure_is_refused() {
+    for (value, found) in [("-0.1", "found -0.1"), ("0.95", "found 0.95"), ("1.5", "found 1.5"), ("nan", "found ")] {
+        let error = adapting(value).unwrap_err();
+        for part in ["machine.toml", "adapt", found, "0 (off) to 0.9"] {
+            assert!(error.contains(part), "{value}: {error}");
+        }
+    }
+    // A pair of ends is no share.
+    let error = adapting("[0.6, 0.9]").unwrap_err();
+    assert!(error.contains("adapt") && error.contains("number"), "{error}");
+    let machine = adapting("0.5").unwrap();
+    assert_eq!(machine.settings.axes[0].servo.friction.unwrap().adapt, 0.5);
+    let compiled = compile(&machine).unwrap();
+    assert_eq!(Tcomp::parse(&compiled).unwrap().settings(), &machine.settings);
+    // Off: the same bytes as a machine without the key.
+    assert_eq!(compile(&adapting("0").unwrap()).unwrap(), compile(&adapting("0.0").unwrap()).unwrap());
 }
