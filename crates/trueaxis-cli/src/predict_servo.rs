@@ -112,7 +112,7 @@ pub(crate) fn run(arguments: &PredictServoArgs) -> Result<()> {
     let document = predict(scenario, &options)?;
     if let Some(to) = &arguments.report {
         let mut outputs = Outputs::of(model::files(&arguments.machine).into_iter().chain([arguments.program.clone()]));
-        let page = report::page("", &document.shown(), report::NO_FIGURES);
+        let page = document.shown().page("", report::NO_FIGURES);
         report::write_to(&mut outputs, &page, to, "predict-servo.html")?;
         outputs.commit()?;
     }

@@ -9,6 +9,7 @@ use trueaxis::tcomp::Tcomp;
 use trueaxis_evaluation::check::{compiled, findings};
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
+use trueaxis_tables::uncertainty::Uncertainties;
 
 /// All files of a machine in one text: the name of each on a separate line between `==` and `==`.
 pub const TARGET: Target = Target {
@@ -37,14 +38,15 @@ fn run(input: &[u8]) {
     match compiled(&machine, &files, name, RATE_HZ) {
         Err(error) => refused(error),
         Ok(bytes) => {
+            let known = Uncertainties::read_from(&files, name).expect("compiled, uncertainties included");
             accepted();
-            compiles(&machine, &bytes);
+            compiles(&machine, &known, &bytes);
         }
     }
 }
 
 /// The compiled file loads, agrees with the machine that was read, and can be shown.
-fn compiles(machine: &Machine, bytes: &[u8]) {
+fn compiles(machine: &Machine, known: &Uncertainties, bytes: &[u8]) {
     let file = Tcomp::parse(bytes).unwrap_or_else(|error| panic!("compiled, but refused where it is loaded: {error}"));
     let mut again = Machine::from_tcomp(&file);
     for (again, settings) in again.settings.axes.iter_mut().zip(&machine.settings.axes) {
@@ -57,7 +59,7 @@ fn compiles(machine: &Machine, bytes: &[u8]) {
         *again = grid.clone();
     }
     assert_eq!(again, *machine);
-    let found = findings(machine, &file, RATE_HZ);
+    let found = findings(machine, known, &file, RATE_HZ);
     let texts = found.warnings.iter().map(ToString::to_string).chain([found.summary.to_string()]);
     for text in texts {
         // The machine's name may contain these words.
