@@ -115,7 +115,8 @@ fn resonant(lines: &str, feedback: &str) -> Result<Machine, String> {
         "position_gain_per_s = 60\nvelocity_gain_per_s = 350\nreset_time_s = 0.012\nvelocity_feed_forward = 0.9\n";
     let mut text = String::from("name = \"r\"\nchain = \"w X' b Y t\"\n");
     for axis in ["X", "Y"] {
-        text += &format!("[axis.{axis}]\ntravel_mm = [0, 100]\n[axis.{axis}.drive]\n{drive}{}", lines.replace("{}", axis));
+        text +=
+            &format!("[axis.{axis}]\ntravel_mm = [0, 100]\n[axis.{axis}.drive]\n{drive}{}", lines.replace("{}", axis));
     }
     text += &format!("[contour.feedback]\n{feedback}");
     let files = Memory::new([("machine.toml", text.as_str())]);

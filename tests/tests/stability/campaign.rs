@@ -38,12 +38,17 @@ impl Track {
             Shape::Line => "G21 G90 F600\nG1 X120 Y96\nM2\n",
             Shape::Circle => "G21 G90 F600\nG0 X10\nG3 X10 I-10\nM2\n",
         };
+        Track::running(shape, program, machine)
+    }
+
+    /// A track with this program.
+    pub(crate) fn running(shape: Shape, program: &str, machine: &MachineSettings) -> Track {
         let course = Course::new(program, Settings::parse(RATE, "rate.toml").unwrap(), machine);
         let first = course.commands.iter().position(|command| command.cutting).unwrap();
         Track { shape, course, first }
     }
 
-    fn commands(&self, cycles: usize) -> &[Command] {
+    pub(crate) fn commands(&self, cycles: usize) -> &[Command] {
         &self.course.commands[self.first..][..cycles]
     }
 

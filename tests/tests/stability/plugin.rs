@@ -1,6 +1,7 @@
 //! The step with only contour feedback.
 
 use super::campaign::Track;
+use trueaxis::Dynamics;
 use trueaxis::contour::Method;
 use trueaxis::machine::{DriveFigures, DynamicSettings, FeedbackSettings, Limits, MachineSettings};
 use trueaxis::telemetry::Status;
@@ -55,16 +56,19 @@ pub(crate) struct Plugin<'s> {
     /// Cycle from which the watch had switched the feedback off.
     pub(crate) out_since: Option<usize>,
     cycle: usize,
+    /// Parts of the dynamic correction.
+    pub(crate) parts: Dynamics,
 }
 
 impl<'s> Plugin<'s> {
     pub(crate) fn new(servo: &'s HostServo<'static, 3>, track: &'s Track) -> Plugin<'s> {
-        Plugin { servo, track, state: servo.start(), out_since: None, cycle: 0 }
+        Plugin { servo, track, state: servo.start(), out_since: None, cycle: 0, parts: Dynamics::ALL }
     }
 
     /// Drive positions of a cycle.
     pub(crate) fn drive(&mut self, command: &Command, [x, y]: [f64; 2]) -> [f64; 2] {
-        let input = self.servo.input(command.at, [x, y, command.at[2]]);
+        let mut input = self.servo.input(command.at, [x, y, command.at[2]]);
+        input.dynamics = self.parts;
         let path = self.track.course.path();
         let output = self.servo.step(&mut self.state, &input, path.on(command.reference), ());
         if output.record.status.has(Status::FEEDBACK_OUT) {

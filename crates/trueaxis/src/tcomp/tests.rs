@@ -37,6 +37,9 @@ fn everything() -> MachineSettings {
                 velocity_feed_forward: 65.0,
                 current_loop_s: 66.0,
                 dead_time_s: 67.0,
+                resonance_hz: 0.0,
+                resonance_damping: 0.0,
+                lowest_resonance_hz: 0.0,
             }),
             friction: Some(FrictionSettings {
                 coulomb_per_s: 68.0,

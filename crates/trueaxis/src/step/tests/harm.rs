@@ -8,8 +8,11 @@ use crate::telemetry::Status;
 use core::f64::consts::TAU;
 use std::format;
 
-const DRIVE: DriveFigures =
-    DriveFigures { velocity_feed_forward: 0.93, lowest_resonance_hz: 5000.0, ..DriveFigures::with_defaults(110.0, 800.0, 0.006) };
+const DRIVE: DriveFigures = DriveFigures {
+    velocity_feed_forward: 0.93,
+    lowest_resonance_hz: 5000.0,
+    ..DriveFigures::with_defaults(110.0, 800.0, 0.006)
+};
 const RADIUS_MM: f64 = 25.0;
 const FEED_MM_PER_S: f64 = 25.0;
 /// Longest step of the mechanics, s.
