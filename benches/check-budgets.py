@@ -19,10 +19,7 @@ import tomllib
 from concurrent.futures import ThreadPoolExecutor
 
 HERE = pathlib.Path(__file__).resolve().parent
-TRIPLE = "x86_64-unknown-linux-gnu"
-FLAGS = {"base": None, "v3": "-Ctarget-cpu=x86-64-v3"}
-# Of what only sets the counts up, which would otherwise take half of the build.
-SET_UP = HERE / "set-up.toml"
+FLAGS = {"base": "", "v3": "-Ctarget-cpu=x86-64-v3"}
 GROWTH = 1.005
 # Whole steps along the butterfly: geometry alone; with friction, with feedback, with all of the dynamic correction; with a
 # grid over two axes, over three.
@@ -41,29 +38,27 @@ def instructions(summary):
 
 def measure(target):
     """Runs the counts built for a target; a count for every part."""
+    environment = dict(os.environ, RUSTFLAGS=FLAGS[target])
     root = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", HERE.parent / "target"))
-    environment = dict(os.environ, CARGO_TARGET_DIR=str(root), GUNGRAUN_HOME=str(root / "gungraun" / target))
-    selected = ["--profile", "image", "--config", str(SET_UP), "-p", "trueaxis-benches", "--features", "counts"]
-    built = root / "image"
-    if FLAGS[target]:
-        # Named, the target shares with the other one what runs on the host while it is built.
-        selected += ["--target", TRIPLE]
-        environment[f"CARGO_TARGET_{TRIPLE.upper().replace('-', '_')}_RUSTFLAGS"] = FLAGS[target]
-        built = root / TRIPLE / "image"
-    command = ["cargo", "bench", "-q", *selected, "--bench", "counts", "--", "--save-summary=json"]
+    if target != "base":
+        root = root / target
+    environment["CARGO_TARGET_DIR"] = str(root)
+    command = ["cargo", "bench", "-q", "--profile", "image", "-p", "trueaxis-benches", "--features", "counts", "--bench", "counts", "--", "--save-summary=json"]
     done = subprocess.run(command, env=environment, cwd=HERE.parent, stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
         sys.exit(f"the counts did not run:\n{done.stdout}")
     counts = {}
-    for path in pathlib.Path(environment["GUNGRAUN_HOME"]).rglob("summary.json"):
+    for path in (root / "gungraun").rglob("summary.json"):
         summary = json.loads(path.read_text())
         counts[f"{summary['function_name']}.{summary['id']}"] = instructions(summary)
-    subprocess.run(["cargo", "build", "-q", *selected, "--bin", "counted"], env=environment, cwd=HERE.parent, check=True)
-    return counts | steps(built / "counted")
+    return counts | steps(root, environment)
 
 
-def steps(program):
+def steps(root, environment):
     """Counts of whole steps, each cycle alone: all along the butterfly, and the dearest adversarial ones."""
+    command = ["cargo", "build", "-q", "--profile", "image", "-p", "trueaxis-benches", "--features", "counts", "--bin", "counted"]
+    subprocess.run(command, env=environment, cwd=HERE.parent, check=True)
+    program = root / "image/counted"
     walks = {name: each(program, "counted_walk", name) for name in WALKS}
     dearest = tomllib.loads(ADVERSARIAL.read_text())["m7"]["dearest"]
     hard = each(program, "counted_adversarial", "adversarial", *map(str, dearest))

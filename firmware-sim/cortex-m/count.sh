@@ -21,8 +21,7 @@ mcu=thumbv7em-none-eabihf
 # In the repository's folder: the configuration of this folder builds for the processor.
 CARGO_TARGET_DIR=$on_host "$repository/.ci/commands"
 # With the flags of the host's budgets, which have built it already.
-(cd "$repository" && CARGO_TARGET_DIR=$on_host cargo build --quiet --profile image --config benches/set-up.toml \
-    -p trueaxis-benches --features counts --bin counted)
+(cd "$repository" && CARGO_TARGET_DIR=$on_host cargo build --quiet --profile image -p trueaxis-benches --features counts --bin counted)
 inputs=$target/count
 mkdir -p "$inputs"
 "$on_host/release/trueaxis" tables compile machine -o "$inputs/a.tcomp" 2>"$inputs/compile.log"
