@@ -12,7 +12,8 @@ use trueaxis_tables::output::Outputs;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
-  trueaxis predict-servo short-tour compensation-tables/mill-3axis --rate-hz 1000";
+  trueaxis predict-servo short-tour compensation-tables/mill-3axis \\
+    --rate-hz 1000";
 
 pub(crate) const HELP: &str = "\
 The drives of a machine are never exactly what its machine.toml states. The bound is a contour error that the program \
