@@ -1,13 +1,14 @@
 //! A hundred plants of the trial's family; `.ci/campaign trial` runs ten thousand.
 
 use std::sync::atomic::AtomicBool;
+use trueaxis::Dynamics;
 use trueaxis_tests::trial::{Case, PARTS, Tally, trial};
 
 /// Prints how many plants get worse by which parts. Gates only that the trial means something: drives that are sound without
 /// the plugin follow their tracks, and the parts reach them.
 #[test]
 fn a_hundred_plants_with_resonance_play_and_friction() {
-    let (cases, unsound) = trial(1, 100, 2, &AtomicBool::new(false), || {});
+    let (cases, unsound) = trial(1, 100, 2, Dynamics::NONE, &AtomicBool::new(false), || {});
     assert_eq!(cases.len(), 100);
     println!("{unsound} plants were not sound by themselves\n{}", Tally::of(&cases)[0]);
     for case in &cases {
@@ -23,6 +24,6 @@ fn a_hundred_plants_with_resonance_play_and_friction() {
             assert!(!acts || with.error_um.p999 != case.off.error_um.p999, "{parts}: {case:?}");
         }
     }
-    let again = Case::run(1, 7, &mut 0);
+    let again = Case::run(1, 7, Dynamics::NONE, &mut 0);
     assert_eq!(again.with[0].error_um.rms, cases[7].with[0].error_um.rms);
 }

@@ -5,6 +5,7 @@ use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
+use trueaxis::Dynamics;
 use trueaxis_tests::trial::{Case, Tally, trial};
 
 /// Runs plants of a family without and with the parts of the dynamic correction, and counts those that get worse by more
@@ -20,6 +21,9 @@ struct TrialArgs {
     /// Threads [default: the number of cores].
     #[arg(long)]
     jobs: Option<usize>,
+    /// The parts act only as far as the contour error shows that they help.
+    #[arg(long)]
+    on_trial: bool,
     /// Only the plant with this number, as JSON.
     #[arg(long)]
     plant: Option<usize>,
@@ -30,8 +34,9 @@ struct TrialArgs {
 
 fn main() -> Result<()> {
     let arguments = TrialArgs::parse();
+    let rule = if arguments.on_trial { Dynamics::ON_TRIAL } else { Dynamics::NONE };
     if let Some(number) = arguments.plant {
-        println!("{}", serde_json::to_string_pretty(&Case::run(arguments.seed, number, &mut 0))?);
+        println!("{}", serde_json::to_string_pretty(&Case::run(arguments.seed, number, rule, &mut 0))?);
         return Ok(());
     }
     let bar = ProgressBar::new(arguments.plants as u64);
@@ -39,7 +44,7 @@ fn main() -> Result<()> {
     static STOP: AtomicBool = AtomicBool::new(false);
     ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed))?;
     let jobs = arguments.jobs.unwrap_or(std::thread::available_parallelism().map_or(1, usize::from)).max(1);
-    let (cases, unsound) = trial(arguments.seed, arguments.plants, jobs, &STOP, || bar.inc(1));
+    let (cases, unsound) = trial(arguments.seed, arguments.plants, jobs, rule, &STOP, || bar.inc(1));
     bar.finish_and_clear();
     let head = format!(
         "seed {}: {} plants; {unsound} more were drawn whose drives are not sound by themselves\n\

@@ -45,23 +45,25 @@ pub struct Case {
 }
 
 impl Case {
-    /// Draws the plant of a number and runs it; adds to `refused` the unsound ones on the way.
-    pub fn run(seed: u64, number: usize, refused: &mut usize) -> Case {
+    /// Draws the plant of a number and runs it; adds to `refused` the unsound ones on the way. `rule`: [`Dynamics::ON_TRIAL`]
+    /// or none.
+    pub fn run(seed: u64, number: usize, rule: Dynamics, refused: &mut usize) -> Case {
         let mut random = Noise::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64));
         let plant = Plant::draw(&mut random, refused);
         let shape = [Shape::Circle, Shape::Line][number % 2];
         // 0.3 to 12 m/min.
         let feed_mm_per_s = 5.0 * 40.0_f64.powf(random.unit());
-        run::run(number, plant, shape, feed_mm_per_s)
+        run::run(number, plant, shape, feed_mm_per_s, rule)
     }
 }
 
-/// Runs `plants` plants on `jobs` threads until `stop` is set; `progress` is called after each. Returns the cases in order of
+/// Runs `plants` plants on `jobs` threads, by a `rule` as [`Case::run`], until `stop` is set; `progress` is called after each. Returns the cases in order of
 /// their numbers, and how many drawn plants were not sound by themselves.
 pub fn trial(
     seed: u64,
     plants: usize,
     jobs: usize,
+    rule: Dynamics,
     stop: &AtomicBool,
     progress: impl Fn() + Sync,
 ) -> (Vec<Case>, usize) {
@@ -74,7 +76,7 @@ pub fn trial(
                 return;
             }
             let mut refused = 0;
-            let case = Case::run(seed, number, &mut refused);
+            let case = Case::run(seed, number, rule, &mut refused);
             let mut results = results.lock().unwrap_or_else(PoisonError::into_inner);
             results.0.push(case);
             results.1 += refused;

@@ -52,11 +52,11 @@ impl Outcome {
 }
 
 /// Runs a plant on a track without and with every combination of parts.
-pub(super) fn run(number: usize, plant: Plant, shape: Shape, feed_mm_per_s: f64) -> Case {
+pub(super) fn run(number: usize, plant: Plant, shape: Shape, feed_mm_per_s: f64, rule: Dynamics) -> Case {
     let (machine, gains) = accepted(&plant);
     let track = Track::new(shape, feed_mm_per_s, plant.period_s, &machine);
     let servo = servo(&machine, plant.period_s).expect("an accepted machine");
-    let with = PARTS.map(|(_, parts)| follow(&plant, &track, &servo, parts));
+    let with = PARTS.map(|(_, parts)| follow(&plant, &track, &servo, Dynamics(parts.0 | rule.0)));
     let off = follow(&plant, &track, &servo, Dynamics::NONE);
     Case { number, plant, shape, feed_mm_per_s, gains, off, with }
 }

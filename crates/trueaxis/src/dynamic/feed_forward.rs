@@ -13,7 +13,8 @@
 //! The geometric correction enters rate-limited, ahead of the axis limiter: the part withheld by that limiter would
 //! return through a, with a gain of 1/(K_vp T). The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs
 //! that are constant over a period; for k_ff = 0 it is u = (h + v)/K_v. Where the machine states a lag L, it takes the
-//! place of the drive's own: L K_v instead of 1 − k_ff. Cost: two divisions and some 20 multiplications
+//! place of the drive's own: L K_v instead of 1 − k_ff. Shares of ΔF and of the velocity lead a part that harms out
+//! ([`super::evidence`]). Cost: two divisions and some 20 multiplications
 //! and additions per axis.
 
 #![deny(clippy::indexing_slicing)]
@@ -56,6 +57,18 @@ pub(super) struct Drift<R> {
     offset: R,
     /// mm (deg) per period.
     velocity: R,
+    /// F of friction and of acceleration, and (1 − k_ff) v, at their full figures.
+    sliding: R,
+    accelerating: R,
+    lag: R,
+}
+
+/// Shares of the parts that act, 0 … 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shares<R> {
+    pub(super) friction: R,
+    pub(super) lag: R,
+    pub(super) acceleration: R,
 }
 
 impl<R: Real> Drift<R> {
@@ -69,6 +82,24 @@ impl<R: Real> Drift<R> {
     #[inline(always)]
     pub(super) fn velocity(&self) -> R {
         self.velocity
+    }
+
+    /// F of friction at its full share.
+    #[inline(always)]
+    pub(super) fn sliding(&self) -> R {
+        self.sliding
+    }
+
+    /// F of acceleration at its full share.
+    #[inline(always)]
+    pub(super) fn accelerating(&self) -> R {
+        self.accelerating
+    }
+
+    /// (1 − k_ff) v at its full share.
+    #[inline(always)]
+    pub(super) fn lag(&self) -> R {
+        self.lag
     }
 }
 
@@ -128,25 +159,41 @@ impl<R: Real> FeedForward<R> {
 
     /// The offset of a cycle in which the axis moves by `way`. `supplied`: the drive already supplies the present force.
     #[inline(always)]
-    pub(super) fn offset(&self, state: &mut Drift<R>, way: R, parts: Dynamics, supplied: bool) -> R {
+    pub(super) fn offset(
+        &self,
+        state: &mut Drift<R>,
+        way: R,
+        parts: Dynamics,
+        supplied: bool,
+        shares: &Shares<R>,
+    ) -> R {
         let change = way - state.velocity;
         let ahead = way + change * self.lead;
         let travel = ahead * self.per_presliding;
         state.friction = (state.friction + travel) / (R::ONE + travel.abs());
-        let mut force = R::ZERO;
+        let (mut sliding, mut accelerating) = (R::ZERO, R::ZERO);
         if parts.has(Dynamics::FRICTION) {
             let ratio = ahead * self.per_stribeck;
-            let sliding = self.coulomb + self.stribeck / (R::ONE + ratio * ratio);
-            force = sliding * state.friction + self.viscous * way;
+            let level = self.coulomb + self.stribeck / (R::ONE + ratio * ratio);
+            sliding = level * state.friction + self.viscous * way;
         }
+        let mut force = sliding;
         if parts.has(Dynamics::ACCELERATION) {
-            force += self.acceleration * change;
+            accelerating = self.acceleration * change;
+            force += accelerating;
         }
-        let rise = if supplied { R::ZERO } else { force - state.force };
+        let mut rise = R::ZERO;
+        if !supplied {
+            // What the shares leave out; nothing, to the bit, at full shares.
+            let withheld = (R::ONE - shares.friction) * (sliding - state.sliding)
+                + (R::ONE - shares.acceleration) * (accelerating - state.accelerating);
+            rise = (force - state.force) - withheld;
+        }
         let lag = if parts.has(Dynamics::LAG) { self.lag * way } else { R::ZERO };
         state.missing = (state.missing + rise) * self.decay;
-        state.offset = state.offset * self.keep + (state.missing + lag) * self.gain;
+        state.offset = state.offset * self.keep + (state.missing + shares.lag * lag) * self.gain;
         (state.force, state.velocity) = (force, way);
+        (state.sliding, state.accelerating, state.lag) = (sliding, accelerating, lag);
         state.offset
     }
 }

@@ -17,6 +17,7 @@
 
 mod common;
 mod crosstalk;
+mod evidence;
 mod feed_forward;
 mod feedback;
 mod harm;

@@ -4,12 +4,14 @@
 
 use super::Dynamics;
 use super::common::Shared;
+use super::evidence::Worth;
 use super::feed_forward::Drift;
 use super::harm::{Trial, Wave};
 use super::watch::Swing;
 use crate::limiter::LimiterState;
 use crate::position::Position;
 use crate::real::Real;
+use crate::telemetry::Status;
 
 /// Mutable half of the stage, and the geometric part of the corrections sent by the output stage.
 #[derive(Clone, Copy, Debug)]
@@ -21,9 +23,13 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     pub(super) limited: [LimiterState<R>; N],
     pub(super) integral: [R; N],
     pub(super) swing: [Swing; N],
+    /// Velocity of each axis when it last moved, for its reversals.
+    pub(super) heading: [R; N],
     /// Oscillations of the tip, and what the feedback does to them.
     pub(super) waves: [Wave<R>; 3],
     pub(super) trial: Trial<R>,
+    /// Shares of the feed-forward.
+    pub(super) worth: Worth<R>,
     /// Whether the watch has ramped the feedback out.
     pub(super) out: bool,
     /// The parts of the last cycle.
@@ -55,8 +61,10 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
             limited: [LimiterState::default(); N],
             integral: [R::ZERO; N],
             swing: [Swing::default(); N],
+            heading: [R::ZERO; N],
             waves: [Wave::default(); 3],
             trial: Trial::new(),
+            worth: Worth::new(false),
             out: false,
             parts: Dynamics::NONE,
             fresh: true,
@@ -111,6 +119,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         self.trend = [R::ZERO; N];
         self.drift.iter_mut().for_each(Drift::rest);
         self.shared.iter_mut().for_each(Shared::rest);
+        self.worth.supplied();
     }
 
     /// Dynamic corrections sent last.
@@ -149,9 +158,13 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         &mut self.trend
     }
 
-    /// Whether the watch has ramped the feedback out.
+    /// Which parts the watches have led out.
     #[inline(always)]
-    pub(crate) fn is_out(&self) -> bool {
-        self.out
+    pub(crate) fn led_out(&self) -> Status {
+        let [friction, following] = self.worth.out();
+        Status::default()
+            .with(Status::FEEDBACK_OUT, self.out)
+            .with(Status::FRICTION_OUT, friction)
+            .with(Status::LAG_OUT, following)
     }
 }
