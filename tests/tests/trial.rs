@@ -1,9 +1,10 @@
 //! A hundred plants of the trial's family; `.ci/campaign trial` runs ten thousand.
 
 use std::sync::atomic::AtomicBool;
+use trueaxis::Dynamics;
 use trueaxis_tests::trial::{Case, Conditions, PARTS, Resonance, Tally, trial};
 
-const CONDITIONS: Conditions = Conditions { resonance: Resonance::Unknown, quiet: false };
+const CONDITIONS: Conditions = Conditions { resonance: Resonance::Unknown, quiet: false, rule: Dynamics::NONE };
 
 /// Prints how many plants get worse by which parts. Gates only that the trial means something: drives that are sound without
 /// the plugin follow their tracks, and the parts reach them.

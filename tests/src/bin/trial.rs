@@ -5,6 +5,7 @@ use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
+use trueaxis::Dynamics;
 use trueaxis_tests::trial::{Bands, Case, Conditions, Resonance, Tally, trial};
 
 /// Runs plants of a family without and with the parts of the dynamic correction, and counts those that get worse by more
@@ -26,6 +27,9 @@ struct TrialArgs {
     /// Tell the plugin the resonance of each drive, as if identified.
     #[arg(long)]
     stated: bool,
+    /// The parts act only as far as the contour error shows that they help.
+    #[arg(long)]
+    on_trial: bool,
     /// Only the plant with this number, as JSON.
     #[arg(long)]
     plant: Option<usize>,
@@ -37,7 +41,8 @@ struct TrialArgs {
 fn main() -> Result<()> {
     let arguments = TrialArgs::parse();
     let resonance = if arguments.stated { Resonance::Stated } else { Resonance::Unknown };
-    let conditions = Conditions { resonance, quiet: arguments.quiet };
+    let rule = if arguments.on_trial { Dynamics::ON_TRIAL } else { Dynamics::NONE };
+    let conditions = Conditions { resonance, quiet: arguments.quiet, rule };
     if let Some(number) = arguments.plant {
         println!("{}", serde_json::to_string_pretty(&Case::run(arguments.seed, number, conditions, &mut 0))?);
         return Ok(());

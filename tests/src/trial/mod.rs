@@ -61,6 +61,8 @@ pub struct Conditions {
     pub resonance: Resonance,
     /// Neither side load nor chatter.
     pub quiet: bool,
+    /// [`Dynamics::ON_TRIAL`], or none.
+    pub rule: Dynamics,
 }
 
 impl Case {
@@ -74,11 +76,11 @@ impl Case {
         // Drawn last: without it a number is the plant that it was before there was a cut.
         let cut = Cut::draw(&mut random);
         let cut = if conditions.quiet { cut.quiet() } else { cut };
-        run::run(number, plant, shape, feed_mm_per_s, cut, conditions.resonance)
+        run::run(number, plant, shape, feed_mm_per_s, cut, conditions)
     }
 }
 
-/// Runs `plants` plants on `jobs` threads, without side load and chatter if `quiet`, until `stop` is set; `progress` is called after each. Returns the cases in order of
+/// Runs `plants` plants on `jobs` threads until `stop` is set; `progress` is called after each. Returns the cases in order of
 /// their numbers, and how many drawn plants were not sound by themselves.
 pub fn trial(
     seed: u64,

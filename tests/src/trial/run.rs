@@ -1,7 +1,7 @@
 //! One plant on its track, with and without the parts.
 
 use super::error::{Size, amplitude, late_vibration};
-use super::{ADAPTING, Case, Cut, PARTS, Plant, Resonance};
+use super::{ADAPTING, Case, Conditions, Cut, PARTS, Plant, Resonance};
 use crate::course::Course;
 use serde::Serialize;
 use trueaxis::contour::Method;
@@ -69,17 +69,20 @@ pub(super) fn run(
     shape: Shape,
     feed_mm_per_s: f64,
     cut: Cut,
-    resonance: Resonance,
+    conditions: Conditions,
 ) -> Case {
-    let (machine, gains) = accepted(&plant, resonance);
+    let (machine, gains) = accepted(&plant, conditions.resonance);
     let track = Track::new(shape, feed_mm_per_s, plant.period_s, &machine);
     let servo = servo(&machine, plant.period_s).expect("an accepted machine");
     let mut adapts = machine.clone();
     adapts.axes.iter_mut().filter_map(|axis| axis.servo.friction.as_mut()).for_each(|friction| friction.adapt = ADAPT);
     let adapting = self::servo(&adapts, plant.period_s).expect("an accepted machine");
-    let with = PARTS.map(|(name, parts)| match name {
-        ADAPTING => follow(&plant, &track, &cut, &adapting, parts, BEFORE),
-        _ => follow(&plant, &track, &cut, &servo, parts, 0),
+    let with = PARTS.map(|(name, parts)| {
+        let parts = Dynamics(parts.0 | conditions.rule.0);
+        match name {
+            ADAPTING => follow(&plant, &track, &cut, &adapting, parts, BEFORE),
+            _ => follow(&plant, &track, &cut, &servo, parts, 0),
+        }
     });
     let off = follow(&plant, &track, &cut, &servo, Dynamics::NONE, 0);
     Case { number, plant, shape, feed_mm_per_s, cut, gains, off, with }

@@ -25,6 +25,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::Dynamics;
+use super::feed_forward::Shares;
 use crate::machine::{AxisSettings, DriveFigures};
 use crate::real::Real;
 
@@ -101,10 +102,17 @@ impl<R: Real> Common<R> {
     /// Moves the common part of an axis by a cycle in which it moves by `way`, `change` more than before. `supplied`: the
     /// drive already supplies the present force.
     #[inline(always)]
-    pub(super) fn advance(&self, state: &mut Shared<R>, way: R, change: R, parts: Dynamics, supplied: bool) {
+    pub(super) fn advance(
+        &self,
+        state: &mut Shared<R>,
+        (way, change): (R, R),
+        parts: Dynamics,
+        supplied: bool,
+        shares: &Shares<R>,
+    ) {
         let force = if parts.has(Dynamics::ACCELERATION) { self.acceleration * change } else { R::ZERO };
-        let rise = if supplied { R::ZERO } else { force - state.force };
-        let lag = if parts.has(Dynamics::LAG) { self.lag * way } else { R::ZERO };
+        let rise = if supplied { R::ZERO } else { shares.acceleration * (force - state.force) };
+        let lag = if parts.has(Dynamics::LAG) { shares.lag * (self.lag * way) } else { R::ZERO };
         state.missing = (state.missing + rise) * self.decay;
         state.before = state.offset;
         state.offset = state.offset * self.keep + (state.missing + lag);

@@ -14,7 +14,8 @@
 //! return through a, with a gain of 1/(K_vp T). The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs
 //! that are constant over a period; for k_ff = 0 it is u = (h + v)/K_v. Where the machine states a lag L, it takes the
 //! place of the drive's own: L K_v instead of 1 − k_ff. Where friction adapts ([`super::adapt`]), its factors multiply F_c
-//! and 1/z. Cost: two divisions and some 20 multiplications
+//! and 1/z. Shares of ΔF and of the velocity lead a part that harms out ([`super::evidence`]). Cost: two divisions and some
+//! 20 multiplications
 //! and additions per axis.
 
 #![deny(clippy::indexing_slicing)]
@@ -62,14 +63,35 @@ pub(super) struct Drift<R> {
     velocity: R,
     /// Factors on the identified friction.
     pub(super) factors: Factors<R>,
+    /// F of friction and of acceleration, and (1 − k_ff) v, at their full figures.
+    sliding: R,
+    accelerating: R,
+    lag: R,
 }
 
 impl<R: Real> Default for Drift<R> {
     fn default() -> Self {
         let zero = R::ZERO;
-        let factors = Factors::default();
-        Drift { friction: zero, force: zero, missing: zero, offset: zero, velocity: zero, factors }
+        Drift {
+            friction: zero,
+            force: zero,
+            missing: zero,
+            offset: zero,
+            velocity: zero,
+            factors: Factors::default(),
+            sliding: zero,
+            accelerating: zero,
+            lag: zero,
+        }
     }
+}
+
+/// Shares of the parts that act, 0 … 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shares<R> {
+    pub(super) friction: R,
+    pub(super) lag: R,
+    pub(super) acceleration: R,
 }
 
 impl<R: Real> Drift<R> {
@@ -94,7 +116,26 @@ impl<R: Real> Drift<R> {
     /// Changes the force, of which the drive already supplies the same share.
     pub(super) fn shift(&mut self, force: R, factor: R) {
         self.force += force;
+        self.sliding += force;
         self.missing = self.missing * factor;
+    }
+
+    /// F of friction at its full share.
+    #[inline(always)]
+    pub(super) fn sliding(&self) -> R {
+        self.sliding
+    }
+
+    /// F of acceleration at its full share.
+    #[inline(always)]
+    pub(super) fn accelerating(&self) -> R {
+        self.accelerating
+    }
+
+    /// (1 − k_ff) v at its full share.
+    #[inline(always)]
+    pub(super) fn lag(&self) -> R {
+        self.lag
     }
 }
 
@@ -197,23 +238,39 @@ impl<R: Real> FeedForward<R> {
 
     /// The offset of a cycle in which the axis moves by `way`. `supplied`: the drive already supplies the present force.
     #[inline(always)]
-    pub(super) fn offset(&self, state: &mut Drift<R>, way: R, parts: Dynamics, supplied: bool) -> R {
+    pub(super) fn offset(
+        &self,
+        state: &mut Drift<R>,
+        way: R,
+        parts: Dynamics,
+        supplied: bool,
+        shares: &Shares<R>,
+    ) -> R {
         let change = way - state.velocity;
         let ahead = self.ahead(way, change);
         let travel = self.travel(state, ahead);
         state.friction = (state.friction + travel) / (R::ONE + travel.abs());
-        let mut force = R::ZERO;
+        let (mut sliding, mut accelerating) = (R::ZERO, R::ZERO);
         if parts.has(Dynamics::FRICTION) {
-            force = self.sliding(state, ahead) * state.friction + self.viscous * way;
+            sliding = self.sliding(state, ahead) * state.friction + self.viscous * way;
         }
+        let mut force = sliding;
         if parts.has(Dynamics::ACCELERATION) {
-            force += self.acceleration * change;
+            accelerating = self.acceleration * change;
+            force += accelerating;
         }
-        let rise = if supplied { R::ZERO } else { force - state.force };
+        let mut rise = R::ZERO;
+        if !supplied {
+            // What the shares leave out; nothing, to the bit, at full shares.
+            let withheld = (R::ONE - shares.friction) * (sliding - state.sliding)
+                + (R::ONE - shares.acceleration) * (accelerating - state.accelerating);
+            rise = (force - state.force) - withheld;
+        }
         let lag = if parts.has(Dynamics::LAG) { self.lag * way } else { R::ZERO };
         state.missing = (state.missing + rise) * self.decay;
-        state.offset = state.offset * self.keep + (state.missing + lag) * self.gain;
+        state.offset = state.offset * self.keep + (state.missing + shares.lag * lag) * self.gain;
         (state.force, state.velocity) = (force, way);
+        (state.sliding, state.accelerating, state.lag) = (sliding, accelerating, lag);
         state.offset
     }
 }

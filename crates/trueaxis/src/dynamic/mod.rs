@@ -19,6 +19,7 @@ mod adapt;
 mod adaptation;
 mod common;
 mod crosstalk;
+mod evidence;
 mod feed_forward;
 mod feedback;
 mod harm;

@@ -26,6 +26,9 @@ impl Dynamics {
     pub const TAKE_UP: Dynamics = Dynamics(64);
     /// Every configured part.
     pub const ALL: Dynamics = Dynamics(127);
+    /// No part but a rule: friction, lag and acceleration act only as far as the contour error shows that they help, from
+    /// no share on; the integral of the contour feedback ends at each reversal of its axis.
+    pub const ON_TRIAL: Dynamics = Dynamics(128);
 
     /// Whether all bits of `other` are set.
     #[inline(always)]

@@ -5,6 +5,7 @@
 use super::adaptation::Adaptation;
 use super::common::{self, Common, Room, Wanted};
 use super::crosstalk::Crosstalk;
+use super::evidence::{Evidence, Reach, Worth};
 use super::feed_forward::FeedForward;
 use super::feedback::{Feedback, NotchFilter, NotchState};
 use super::harm::{Harm, Trial, Wave};
@@ -24,6 +25,7 @@ use crate::sample::{Sample, Verdict};
 #[derive(Clone, Copy, Debug)]
 struct Act<R> {
     law: FeedForward<R>,
+    reach: Reach<R>,
     limiter: Limiter<R>,
     /// Limiters that ramp the geometric correction: within the limits of the axis; no faster than friction brakes,
     /// while the acceleration is fed forward.
@@ -41,8 +43,8 @@ impl<R: Real> Act<R> {
     /// An axis that wants nothing.
     fn idle(limiter: Limiter<R>) -> Self {
         let room = Room { magnitude: limiter.magnitude(), whole: limiter.magnitude(), slope: limiter.slope() };
-        let law = FeedForward::none();
-        Act { law, limiter, ramps: [limiter; 2], takes_up: false, is_linear: false, shares: false, room }
+        let (law, reach) = (FeedForward::none(), Reach::new(None, 1.0));
+        Act { law, reach, limiter, ramps: [limiter; 2], takes_up: false, is_linear: false, shares: false, room }
     }
 
     /// The limiter that ramps the geometric correction.
@@ -62,6 +64,8 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
     common: Option<Common<R>>,
     /// `None` if the friction of no axis adapts.
     adaptation: Option<Adaptation<R, N>>,
+    /// `None` if no axis has drive figures.
+    evidence: Option<Evidence<R>>,
     feedback: Option<(Feedback<R>, Watch<R>, Harm<R>)>,
     /// Notches of the feedback by linear axis, if any axis has one.
     notches: Option<[NotchFilter<R>; 3]>,
@@ -117,13 +121,16 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 slope: limiter.slope().min(own.slope()),
             };
             let (takes_up, is_linear, shares) = (dynamic.take_up, !settings.axis.is_rotary(), common::shares(settings));
-            *act = Act { law, limiter, ramps: [own, slow], takes_up, is_linear, shares, room };
+            let reach = Reach::new(servo.drive.as_ref(), period_s);
+            *act = Act { law, reach, limiter, ramps: [own, slow], takes_up, is_linear, shares, room };
         }
         let feedback = feedback.map(|settings| {
             (Feedback::new(settings, period_s), Watch::new(settings, period_s), Harm::new(settings, period_s))
         });
         let crosstalk = (!machine.crosstalk.is_empty()).then_some(crosstalk);
         let common = Common::new(order.settings(machine).into_iter().flatten(), period_s);
+        let drives = order.settings(machine).into_iter().flatten().any(|settings| settings.servo.drive.is_some());
+        let evidence = drives.then(|| Evidence::new(period_s));
         let takes_up = axes.iter().any(|act| act.takes_up);
         let mut filters = None;
         for (axis, notch) in notches(machine, period_s) {
@@ -133,8 +140,17 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             }
         }
         let adaptation = probes.iter().any(Option::is_some).then_some(Adaptation { probes });
-        let stage = DynamicStage { axes, takes_up, common, adaptation, feedback, notches: filters, crosstalk, part };
-        Ok(any.then_some(stage))
+        Ok(any.then_some(DynamicStage {
+            axes,
+            takes_up,
+            common,
+            adaptation,
+            evidence,
+            feedback,
+            notches: filters,
+            crosstalk,
+            part,
+        }))
     }
 
     /// Makes the calling code unreachable in a build without the part.
@@ -311,6 +327,13 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         if sample.due {
             (state.fresh, state.parts) = (false, on);
         }
+        if supplied {
+            self.restart(state, on);
+        }
+        if sample.input.reset {
+            state.worth = Worth::new(on.has(Dynamics::ON_TRIAL));
+        }
+        let shares = state.worth.shares();
         let mut changes = [R::ZERO; N];
         let drift = state.drift.iter_mut().zip(&mut state.shared);
         let memory = drift.zip(&mut state.command).zip(&mut state.geometric_before);
@@ -335,9 +358,9 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 continue;
             }
             *change = way - was;
-            *offset = act.law.offset(drift, way, on, supplied);
+            *offset = act.law.offset(drift, way, on, supplied, &shares);
             if let (Some(common), true) = (&self.common, act.shares) {
-                common.advance(shared, way, *change, on, supplied);
+                common.advance(shared, (way, *change), on, supplied, &shares);
             }
         }
         if let Some(adaptation) = &self.adaptation {
@@ -346,6 +369,11 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 && sample.due
                 && !(supplied || moment.late);
             adaptation.cycle(self.axes.each_ref().map(|act| &act.law), state, sample, &changes, follows);
+        }
+        if let (Some(evidence), true) = (&self.evidence, sample.due) {
+            let error = moment.error.filter(|_| sample.verdict == Verdict::Active);
+            let axes = self.axes.iter().map(|act| &act.reach).zip(&state.drift);
+            evidence.judge(&mut state.worth, axes, error);
         }
         self.feed_back(state, sample, moment, on, &mut parts.feedback);
         if let (Some(crosstalk), true) = (&self.crosstalk, on.has(Dynamics::CROSSTALK)) {
@@ -358,6 +386,17 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 }
             }
         }
+    }
+
+    /// Continues the estimate of what the feed-forward is worth after a part was switched or the drives were at rest.
+    #[inline(never)]
+    fn restart(&self, state: &mut DynamicState<R, P, N>, on: Dynamics) {
+        let forward = Dynamics(Dynamics::FRICTION.0 | Dynamics::LAG.0 | Dynamics::ACCELERATION.0);
+        let on_trial = on.has(Dynamics::ON_TRIAL);
+        if on.0 & forward.0 == 0 || on_trial != state.worth.is_on_trial() {
+            state.worth = Worth::new(on_trial);
+        }
+        state.worth.supplied();
     }
 
     /// Computes the offsets of the contour feedback.
@@ -388,6 +427,18 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let slow = feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
         let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active && sample.due);
         let errors = error.unwrap_or_default();
+        if on.has(Dynamics::ON_TRIAL) {
+            // What the integral corrects changes sides with friction and lag: it would double the error.
+            for ((integral, drift), heading) in state.integral.iter_mut().zip(&state.drift).zip(&mut state.heading) {
+                let way = drift.velocity();
+                if way * *heading < R::ZERO {
+                    *integral = R::ZERO;
+                }
+                if way != R::ZERO {
+                    *heading = way;
+                }
+            }
+        }
         if error.is_some() {
             state.out |= harm.is_found(&mut state.trial, &mut state.waves, errors, &state.integral);
         }

@@ -6,6 +6,7 @@ use super::Dynamics;
 use super::adapt::Factors;
 use super::adaptation::Adapted;
 use super::common::Shared;
+use super::evidence::Worth;
 use super::feed_forward::Drift;
 use super::feedback::NotchState;
 use super::harm::{Trial, Wave};
@@ -14,6 +15,7 @@ use crate::error::Fault;
 use crate::limiter::LimiterState;
 use crate::position::Position;
 use crate::real::Real;
+use crate::telemetry::Status;
 
 /// Mutable half of the stage, and the geometric part of the corrections sent by the output stage.
 #[derive(Clone, Copy, Debug)]
@@ -28,9 +30,13 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     /// Notches of the feedback, by linear axis.
     pub(super) notched: [NotchState<R>; 3],
     pub(super) swing: [Swing; N],
+    /// Velocity of each axis when it last moved, for its reversals.
+    pub(super) heading: [R; N],
     /// Oscillations of the tip, and what the feedback does to them.
     pub(super) waves: [Wave<R>; 3],
     pub(super) trial: Trial<R>,
+    /// Shares of the feed-forward.
+    pub(super) worth: Worth<R>,
     /// Whether the watch has ramped the feedback out.
     pub(super) out: bool,
     /// The parts of the last cycle.
@@ -64,8 +70,10 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
             integral: [R::ZERO; N],
             notched: [NotchState::default(); 3],
             swing: [Swing::default(); N],
+            heading: [R::ZERO; N],
             waves: [Wave::default(); 3],
             trial: Trial::new(),
+            worth: Worth::new(false),
             out: false,
             parts: Dynamics::NONE,
             fresh: true,
@@ -121,6 +129,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         self.notched = [NotchState::default(); 3];
         self.drift.iter_mut().for_each(Drift::rest);
         self.shared.iter_mut().for_each(Shared::rest);
+        self.worth.supplied();
     }
 
     /// Dynamic corrections sent last.
@@ -176,9 +185,13 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         self.adapted.fault()
     }
 
-    /// Whether the watch has ramped the feedback out.
+    /// Which parts the watches have led out.
     #[inline(always)]
-    pub(crate) fn is_out(&self) -> bool {
-        self.out
+    pub(crate) fn led_out(&self) -> Status {
+        let [friction, following] = self.worth.out();
+        Status::default()
+            .with(Status::FEEDBACK_OUT, self.out)
+            .with(Status::FRICTION_OUT, friction)
+            .with(Status::LAG_OUT, following)
     }
 }

@@ -11,7 +11,7 @@ use crate::output::{Applied, Outlets, OutputState};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
-use crate::telemetry::{Record, Status};
+use crate::telemetry::Record;
 
 impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// Command plus the geometric correction sent last.
@@ -105,9 +105,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         }
         state.dynamic.settle(state.output.sent(), (!held).then_some(sample.command), state.sequence);
         record.correction = *state.dynamic.geometric();
-        if state.dynamic.is_out() {
-            applied.status = Status::FEEDBACK_OUT;
-        }
+        applied.status = state.dynamic.led_out();
         applied
     }
 

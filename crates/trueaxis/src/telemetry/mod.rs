@@ -41,6 +41,11 @@ impl Status {
     pub const NO_OUTPUT: Status = Status(16);
     /// The contour feedback oscillated and is ramped out, until the compensation is switched off or a reset arrives.
     pub const FEEDBACK_OUT: Status = Status(32);
+    /// The friction feed-forward harmed and acts with a smaller share, until the contour error shows that it helps, it is
+    /// switched off or a reset arrives.
+    pub const FRICTION_OUT: Status = Status(64);
+    /// The same of the lag or the acceleration feed-forward.
+    pub const LAG_OUT: Status = Status(128);
 
     /// Whether all bits of `other` are set.
     pub const fn has(self, other: Status) -> bool {

@@ -1,0 +1,351 @@
+//! Watch on harm of the feed-forward: estimates from the contour error how much of each part helps.
+//!
+//! With r the displacement that a part would cause on its own at its full figures, h its missing velocity error (for lag
+//! (1 − k_ff) v) and e the contour error, all axes together:
+//!
+//! ```text
+//! r' = h − K_v r                                  t: direction of motion
+//! S  = <e, r>      N = <r, r> − <t, r>²           sums that forget over 0.3 s, lag and acceleration 0.1 s
+//! p  = w − S/N                                    the share at which the part would leave least, w: its present one
+//! R² = (w N − S)²/(N (<e, e> − 2 w S + w² N))     what the part explains of the error that would be without it
+//! ```
+//!
+//! e is normal to the path, so <e, r> needs no projection. At the share w a part leaves (w − p)² N and without it p² N: it
+//! harms for p < w/2. Then w falls, at 100/s, to 0.3 p or 0. It rises again, as fast, only up to 0.3 p, and only where the
+//! part explains 80 % of the error. On trial ([`super::Dynamics::ON_TRIAL`]) all shares start at 0 instead of 1, fall for
+//! p < 0.9 w, and 0.8 p takes the place of 0.3 p. There is no judgement while r is below 0.3 µm (RMS over the time of the sums).
+//!
+//! One share serves all axes: where several reverse at once, on a line, their spikes cancel in part, and taking out one
+//! alone would uncover the other. The share multiplies ΔF of friction and acceleration: a share that moves displaces
+//! nothing by itself. One part is advanced and judged a cycle, in turn.
+
+#![deny(clippy::indexing_slicing)]
+
+use super::feed_forward::{Drift, Shares};
+use crate::machine::DriveFigures;
+use crate::real::Real;
+
+/// Parts: friction, lag, acceleration.
+const PARTS: usize = 3;
+/// Times over which the sums forget, s.
+const FORGET_S: [f64; PARTS] = [0.3, 0.1, 0.1];
+/// Smallest RMS of r that is judged, mm (deg).
+const FLOOR: f64 = 3e-4;
+/// R² from which a share may rise.
+const EXPLAINED: f64 = 0.8;
+/// Rate of a share, per s.
+const RATE_PER_S: f64 = 100.0;
+
+/// Where a share begins, and what moves it.
+#[derive(Clone, Copy, Debug)]
+struct Rule {
+    first: f64,
+    /// The part harms if p is below this multiple of w.
+    harms: f64,
+    /// Multiple of p towards which w moves.
+    towards: f64,
+}
+
+const IN_FORCE: Rule = Rule { first: 1.0, harms: 0.5, towards: 0.3 };
+const ON_TRIAL: Rule = Rule { first: 0.0, harms: 0.9, towards: 0.8 };
+
+/// How an axis follows an offset over [`PARTS`] cycles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach<R> {
+    /// e^(−3T/τ).
+    decay: R,
+    /// e^(−3 K_v T), and (1 − e^(−3 K_v T))/(K_v T).
+    keep: R,
+    gain: R,
+}
+
+/// r of a part on an axis.
+#[derive(Clone, Copy, Debug, Default)]
+struct Regressor<R> {
+    force: R,
+    missing: R,
+    offset: R,
+}
+
+/// Constants of the estimate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Evidence<R> {
+    keep: [R; PARTS],
+    floor: [R; PARTS],
+    rate: R,
+}
+
+/// Sums and share of a part.
+#[derive(Clone, Copy, Debug)]
+struct Part<R> {
+    /// S, N, <e, e>.
+    along: R,
+    square: R,
+    error: R,
+    /// w.
+    share: R,
+    /// Whether harm has lowered the share.
+    out: bool,
+    /// Whether the next force counts as supplied already.
+    fresh: bool,
+}
+
+/// State of the estimate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Worth<R> {
+    /// Of the directions of the tip.
+    regressors: [[Regressor<R>; 3]; PARTS],
+    parts: [Part<R>; PARTS],
+    turn: u8,
+    on_trial: bool,
+}
+
+impl<R: Real> Reach<R> {
+    /// An axis without drive figures follows nothing.
+    pub(super) fn new(drive: Option<&DriveFigures>, period_s: f64) -> Self {
+        let Some(drive) = drive else { return Reach { decay: R::ZERO, keep: R::ZERO, gain: R::ZERO } };
+        let (turns, gain) = (PARTS as f64 * period_s, drive.position_gain_per_s);
+        let keep = libm::exp(-gain * turns);
+        Reach {
+            decay: R::of(libm::exp(-turns / drive.reset_time_s)),
+            keep: R::of(keep),
+            gain: R::of((1.0 - keep) / (gain * period_s)),
+        }
+    }
+}
+
+impl<R: Real> Worth<R> {
+    pub(super) fn new(on_trial: bool) -> Self {
+        let rule = rule(on_trial);
+        let (zero, share) = (R::ZERO, R::of(rule.first));
+        let part = Part { along: zero, square: zero, error: zero, share, out: false, fresh: true };
+        Worth { regressors: Default::default(), parts: [part; PARTS], turn: 0, on_trial }
+    }
+
+    /// The drives already supply the present forces.
+    #[inline(always)]
+    pub(super) fn supplied(&mut self) {
+        self.parts.iter_mut().for_each(|part| part.fresh = true);
+    }
+
+    /// Shares that act.
+    #[inline(always)]
+    pub(super) fn shares(&self) -> Shares<R> {
+        let [friction, lag, acceleration] = &self.parts;
+        Shares { friction: friction.share, lag: lag.share, acceleration: acceleration.share }
+    }
+
+    /// Whether harm has lowered the share of friction; of lag or acceleration.
+    #[inline(always)]
+    pub(super) fn out(&self) -> [bool; 2] {
+        let [friction, lag, acceleration] = &self.parts;
+        [friction.out, lag.out | acceleration.out]
+    }
+
+    /// Whether the parts are on trial.
+    #[inline(always)]
+    pub(super) fn is_on_trial(&self) -> bool {
+        self.on_trial
+    }
+}
+
+fn rule(on_trial: bool) -> &'static Rule {
+    if on_trial { &ON_TRIAL } else { &IN_FORCE }
+}
+
+impl<R: Real> Evidence<R> {
+    pub(super) fn new(period_s: f64) -> Self {
+        let turns = PARTS as f64 * period_s;
+        let forgets = FORGET_S.map(|time_s| (turns / time_s).min(1.0));
+        Evidence {
+            keep: forgets.map(|share| R::of(1.0 - share)),
+            floor: forgets.map(|share| R::of(FLOOR * FLOOR / share)),
+            rate: R::of((RATE_PER_S * turns).min(1.0)),
+        }
+    }
+
+    /// Advances the part whose turn it is and judges it if the contour error can be acted on.
+    #[inline(never)]
+    pub(super) fn judge<'a>(
+        &self,
+        worth: &mut Worth<R>,
+        axes: impl Iterator<Item = (&'a Reach<R>, &'a Drift<R>)>,
+        error: Option<[R; 3]>,
+    ) where
+        R: 'a,
+    {
+        let turn = worth.turn;
+        worth.turn = if turn == 2 { 0 } else { turn + 1 };
+        let states = worth.regressors.iter_mut().zip(&mut worth.parts).zip(self.keep.iter().zip(&self.floor));
+        let Some(((regressors, part), (keep, floor))) = states.skip(usize::from(turn)).next() else { return };
+        let e = error.unwrap_or_default();
+        let (mut along, mut square, mut forwards, mut way, mut size) = (R::ZERO, R::ZERO, R::ZERO, R::ZERO, R::ZERO);
+        for ((regressor, (reach, drift)), e) in regressors.iter_mut().zip(axes).zip(e) {
+            let v = drift.velocity();
+            if turn == 1 {
+                regressor.missing = drift.lag();
+            } else {
+                let force = if turn == 0 { drift.sliding() } else { drift.accelerating() };
+                let rise = if part.fresh { R::ZERO } else { force - regressor.force };
+                regressor.missing = (regressor.missing + rise) * reach.decay;
+                regressor.force = force;
+            }
+            let r = regressor.offset * reach.keep + regressor.missing * reach.gain;
+            regressor.offset = r;
+            along = along.add_product(e, r);
+            square = square.add_product(r, r);
+            forwards = forwards.add_product(v, r);
+            way = way.add_product(v, v);
+            size = size.add_product(e, e);
+        }
+        part.fresh = false;
+        if error.is_none() || way == R::ZERO {
+            return;
+        }
+        part.along = part.along * *keep + along;
+        part.square = part.square * *keep + (square - forwards * forwards / way).max(R::ZERO);
+        part.error = part.error * *keep + size;
+        if part.square > *floor {
+            self.lead(part, rule(worth.on_trial));
+        }
+    }
+
+    /// Moves the share of a part by what the sums say.
+    #[inline(always)]
+    fn lead(&self, part: &mut Part<R>, rule: &Rule) {
+        let Part { along, square, error, share, .. } = *part;
+        // p N, w N and the target times N: nothing divides.
+        let (best, present) = (share * square - along, share * square);
+        let target = R::of(rule.towards) * best;
+        if best < R::of(rule.harms) * present {
+            if target < present {
+                part.share = (share - self.rate).max(R::ZERO);
+                part.out = true;
+            }
+        } else if target > present {
+            let without = error - share * (along + along - present);
+            if best * best > R::of(EXPLAINED) * square * without {
+                part.share = (share + self.rate).min(R::ONE);
+                part.out &= part.share < R::ONE;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Dynamics;
+    use super::super::feed_forward::FeedForward;
+    use super::*;
+    use crate::axis::Axis;
+    use crate::machine::{AxisServo, DynamicSettings, FrictionSettings};
+    use crate::testing::noise::Noise;
+
+    const T: f64 = 1e-3;
+    const KV: f64 = 60.0;
+    const SHARED: f64 = 0.5;
+    const FEED: f64 = 25.0;
+    const RADIUS: f64 = 10.0;
+
+    /// A position loop with velocity feed-forward: what an offset displaces.
+    #[derive(Clone, Copy, Default)]
+    struct Loop {
+        at: f64,
+        before: f64,
+    }
+
+    impl Loop {
+        fn moved(&mut self, offset: f64) -> f64 {
+            self.at += KV * T * (offset - self.at) + SHARED * (offset - self.before);
+            self.before = offset;
+            self.at
+        }
+    }
+
+    struct Run {
+        /// Shares of friction, lag and acceleration after each cycle, and whether any is reported as led out.
+        shares: Vec<([f64; 3], bool)>,
+        /// Contour error and that without the part, mm.
+        errors: Vec<[f64; 2]>,
+    }
+
+    /// A circle on which `parts` are needed only to the share `needed`; noise of this size on the error, mm.
+    fn circle(parts: Dynamics, needed: f64, noise: f64, on_trial: bool, cycles: u32) -> Run {
+        let drive = DriveFigures { velocity_feed_forward: SHARED, ..DriveFigures::with_defaults(KV, 400.0, 0.02) };
+        let friction = Some(FrictionSettings::with_defaults(1.0, 0.006));
+        let servo = AxisServo { drive: Some(drive), friction, ..AxisServo::default() };
+        let settings = DynamicSettings { lag: true, acceleration: true, ..DynamicSettings::with_defaults(Axis::X) };
+        let law = FeedForward::<f64>::new(&servo, &settings, T);
+        let (evidence, reach) = (Evidence::new(T), Reach::new(Some(&drive), T));
+        let mut worth = Worth::new(on_trial);
+        let full = Shares { friction: 1.0, lag: 1.0, acceleration: 1.0 };
+        let (mut acting, mut whole) = ([Drift::default(); 2], [Drift::default(); 2]);
+        let (mut sent, mut all) = ([Loop::default(); 2], [Loop::default(); 2]);
+        let (mut run, mut random) = (Run { shares: Vec::new(), errors: Vec::new() }, Noise::new(1));
+        for k in 0..cycles {
+            let at = |k: u32| {
+                let angle = f64::from(k) * T * FEED / RADIUS - 0.5;
+                [RADIUS * angle.cos(), RADIUS * angle.sin()]
+            };
+            let (to, from) = (at(k + 1), at(k));
+            let shares = worth.shares();
+            let (mut e, mut without) = ([0.0; 3], 0.0);
+            for i in 0..2 {
+                let way = to[i] - from[i];
+                let moved = sent[i].moved(law.offset(&mut acting[i], way, parts, k == 0, &shares));
+                let could = all[i].moved(law.offset(&mut whole[i], way, parts, k == 0, &full));
+                e[i] = moved - needed * could + noise * random.range(-1.0, 1.0);
+                without -= needed * could * to[i] / RADIUS;
+            }
+            let normal = (e[0] * to[0] + e[1] * to[1]) / RADIUS;
+            let error = [normal * to[0] / RADIUS, normal * to[1] / RADIUS, 0.0];
+            evidence.judge(&mut worth, core::iter::repeat_n(&reach, 2).zip(&acting), Some(error));
+            let shares = worth.shares();
+            run.shares.push(([shares.friction, shares.lag, shares.acceleration], worth.out() != [false; 2]));
+            run.errors.push([normal, without]);
+        }
+        run
+    }
+
+    #[test]
+    fn a_part_that_harms_is_led_out_within_50_ms_and_says_so() {
+        for parts in [Dynamics::FRICTION, Dynamics::LAG, Dynamics::ACCELERATION] {
+            let run = circle(parts, 0.1, 0.0, false, 4000);
+            let harmed = run.errors.iter().position(|[with, without]| with.abs() > without.abs() + 1e-3).unwrap();
+            let out = run.shares.iter().position(|(_, out)| *out).unwrap();
+            assert!(out <= harmed + 50, "{parts:?}: harm at {harmed}, out at {out}");
+            let (shares, out) = run.shares[3999];
+            let share = shares.into_iter().fold(1.0, f64::min);
+            assert!(share <= 0.1 && out, "{parts:?}: {shares:?}");
+        }
+    }
+
+    #[test]
+    fn parts_that_help_keep_their_full_share() {
+        for parts in [Dynamics::FRICTION, Dynamics::LAG, Dynamics::ACCELERATION, Dynamics::ALL] {
+            for needed in [0.7, 1.0, 1.5] {
+                let run = circle(parts, needed, 2e-4, false, 4000);
+                assert!(run.shares.iter().all(|seen| *seen == ([1.0; 3], false)), "{parts:?}, {needed}");
+            }
+        }
+    }
+
+    #[test]
+    fn on_trial_a_part_rises_only_where_it_helps() {
+        for (part, parts) in [Dynamics::FRICTION, Dynamics::LAG].into_iter().enumerate() {
+            let last = |needed| circle(parts, needed, 2e-4, true, 6000).shares[5999].0;
+            let helps = last(1.0);
+            assert!((0.6..0.9).contains(&helps[part]), "{parts:?}: {helps:?}");
+            assert_eq!(last(0.0), [0.0; 3], "{parts:?}");
+        }
+    }
+
+    #[test]
+    fn noise_moves_no_share() {
+        // The parts are right, or not needed at all.
+        for (on_trial, share) in [(false, 1.0), (true, 0.0)] {
+            let run = circle(Dynamics::ALL, if on_trial { 0.0 } else { 1.0 }, 0.02, on_trial, 100_000);
+            assert!(run.shares.iter().all(|seen| *seen == ([share; 3], false)), "{on_trial}");
+        }
+    }
+}
