@@ -6,7 +6,8 @@
 use super::campaign::{Shape, Track, drive};
 use super::plugin::{Plugin, WIDE, machine, servo};
 use trueaxis::machine::{DriveFigures, FrictionSettings, MachineSettings};
-use trueaxis::{ConfigError, Dynamics, Field, HostServo};
+use trueaxis::error::Field;
+use trueaxis::{ConfigError, Dynamics, HostServo};
 use trueaxis_testing::machine::Machine;
 use trueaxis_testing::noise::Noise;
 
@@ -25,6 +26,7 @@ const FRICTION: FrictionSettings = FrictionSettings {
     presliding: 0.006,
     viscous: 0.004,
     lead_s: 0.0,
+    adapt: 0.0,
 };
 
 /// Motor and load on a spring and a damper, friction on the load, a scale on the load.
