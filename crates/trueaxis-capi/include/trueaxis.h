@@ -155,12 +155,12 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 752
+#define TRUEAXIS_STATE_WORDS 808
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 400
+#define TRUEAXIS_STATE_WORDS 432
 #endif
 
 /// The foot is a minimum of the distance, bracketed by − and +.
