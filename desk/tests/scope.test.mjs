@@ -144,6 +144,23 @@ test("tables of a machine that was dropped are exchanged for", async () => {
   await close();
 });
 
+test("a drive by name and its play give the command line's figures, and a reading of wrong sign is reported", async () => {
+  const { page, panel, close } = await open();
+  await program(panel, "tiny.ngc", TINY);
+  await panel.getByLabel("Drive", { exact: true }).selectOption("worn");
+  await panel.getByLabel("Acts at / s (empty: now)").fill("0");
+  await panel.getByLabel("Fault", { exact: true }).selectOption("scale");
+  await panel.getByRole("button", { name: "Inject" }).click();
+  await panel.getByRole("cell", { name: /^scale:X@0s/ }).waitFor();
+  await toTheEnd(panel);
+  await panel.getByRole("cell", { name: "FeedbackRatio" }).first().waitFor();
+  const { settings } = await reproduced(page, panel);
+  assert.equal(settings.drive.resonance_hz, 80);
+  assert.equal(settings.drive.gear_play_mm, 0.006);
+  same(await figures(panel), await reproduced(page, panel));
+  await close();
+});
+
 test("bad files are refused as on the command line, and the run stays", async () => {
   const { page, panel, close } = await open();
   await program(panel, "tiny.ngc", TINY);

@@ -155,12 +155,12 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 752
+#define TRUEAXIS_STATE_WORDS 808
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 400
+#define TRUEAXIS_STATE_WORDS 432
 #endif
 
 /// The foot is a minimum of the distance, bracketed by − and +.
@@ -293,6 +293,9 @@
 
 /// `elapsed_ns` differs from the period by more than a quarter, or too many cycles came early.
 #define TRUEAXIS_FAULT_LATE_CYCLE 5
+
+/// A reading moves against the command, or by about half or twice as much: sign or scale of the encoder are wrong.
+#define TRUEAXIS_FAULT_FEEDBACK_RATIO 6
 
 /// A command is not finite. With faults 16 to 31 the output holds and the step requests a stop.
 #define TRUEAXIS_FAULT_COMMAND_NOT_FINITE 16

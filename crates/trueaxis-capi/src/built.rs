@@ -20,10 +20,10 @@ pub const LOOP_WORDS: usize = 1096;
 pub const LOOP_WORDS: usize = 648;
 /// Words of a `trueaxis_state_t`.
 #[cfg(not(feature = "single"))]
-pub const STATE_WORDS: usize = 752;
+pub const STATE_WORDS: usize = 808;
 /// Words of a `trueaxis_state_t`.
 #[cfg(feature = "single")]
-pub const STATE_WORDS: usize = 400;
+pub const STATE_WORDS: usize = 432;
 
 /// Tables, limits and settings of a machine. Immutable; may be copied and may be read from any thread.
 #[repr(C)]

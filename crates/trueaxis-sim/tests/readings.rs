@@ -39,8 +39,13 @@ fn a_wrong_sign_and_a_wrong_scale_are_found_on_every_drive() {
             let sound = line(variant, feed, None, feedback);
             assert!(sound.len() > 500 && sound.iter().all(|(_, fault)| *fault == 0), "{variant:?}, F{feed}");
             for scale in [-1.0, 0.5, 2.0] {
-                // The soft drive lags by 40 ms and needs the way of ten lags until half the motion is not its lag.
-                let lag = if variant == Some(Variant::Soft) { 0.04 * f64::from(feed) / 60.0 } else { 0.0 };
+                // Drives with lag need the way of ten lags until half the motion is not their lag.
+                let lag_s = match variant {
+                    Some(Variant::Soft) => 0.04,
+                    Some(Variant::Worn) => 0.007,
+                    _ => 0.0,
+                };
+                let lag = lag_s * f64::from(feed) / 60.0;
                 let most = 1.0 + lag * if scale == 0.5 { 10.0 } else { 3.0 };
                 let cycles = line(variant, feed, Some(scale), feedback);
                 let first = cycles.iter().position(|(_, fault)| *fault != 0).map(|k| cycles[k]);

@@ -304,13 +304,11 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     /// Compares the motion that one axis' reading shows with the motion sent; the next axis follows in the next cycle. Where
     /// the reading is found to be wrong, returns `true` and changes nothing.
     #[inline(always)]
-    fn compare_ratio(&self, state: &mut SampleState<R, P, N>, [sent, command, reading]: [&[P; N]; 3]) -> bool {
+    fn compare_ratio(&self, state: &mut SampleState<R, P, N>, positions: [&[P; N]; 3]) -> bool {
         let turn = if usize::from(state.turn) < N { usize::from(state.turn) } else { 0 };
         let (Some(axis), Some(ratio)) = (self.axes.get(turn), state.ratios.get_mut(turn)) else { return false };
-        let (Some(sent), Some(command), Some(reading)) = (sent.get(turn), command.get(turn), reading.get(turn)) else {
-            return false;
-        };
-        if axis.ratio.finds(ratio, Places { sent: *sent, command: *command, reading: *reading }) {
+        let [sent, command, reading] = positions.map(|of| of.get(turn).copied().unwrap_or_default());
+        if axis.ratio.finds(ratio, Places { sent, command, reading }) {
             return true;
         }
         state.turn = (turn + 1) as u8;

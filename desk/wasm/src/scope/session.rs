@@ -9,7 +9,7 @@ use std::sync::Arc;
 use trueaxis_report::thin;
 use trueaxis_sim::event::{Act, EventKind};
 use trueaxis_sim::path::drawn;
-use trueaxis_sim::run::{Figures, Kind, Run, feedback_refused, notes};
+use trueaxis_sim::run::{Figures, Kind, Run, notes};
 use trueaxis_sim::{Scenario, Settings};
 
 /// Number of sections of a curved move, and of the whole path if that has more points.
@@ -72,11 +72,6 @@ impl Session {
         let mut notes = Vec::new();
         let scenario = Arc::new(request.scenario(&mut notes)?);
         let kinds = request.kinds(&scenario.machine)?;
-        if kinds.contains(&Kind::Full)
-            && let Some(why) = feedback_refused(&scenario.machine.settings, scenario.period_s())
-        {
-            notes.push(format!("the full run has no contour feedback: {why}"));
-        }
         Ok(Session {
             run: Run::of(Arc::clone(&scenario), &kinds)?,
             traces: Traces::new(&scenario, &kinds),
