@@ -107,7 +107,7 @@ fn friction_is_found_and_what_is_written_is_a_machine_s() {
         assert!(axis["explained"].as_f64().unwrap() > 0.98);
     }
     let page = folder.read("out/friction.html");
-    assert!(page.contains("Spikes of axis Y") && page.contains("after, predicted"));
+    assert!(page.contains("Axis Y, ") && page.contains("after, expected"));
     // The machine accepts the settings when they are appended to it.
     let settings = folder.read("friction.toml");
     assert!(settings.contains("[axis.X.friction]") && !settings.contains(".drive]"), "{settings}");
