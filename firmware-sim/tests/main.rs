@@ -21,7 +21,6 @@ mod posts;
 mod replay;
 mod report;
 mod rtcp;
-mod servo_bound;
 mod settings;
 mod soak;
 #[cfg(target_os = "linux")]

@@ -8,11 +8,14 @@ use trueaxis_sim::Scenario;
 use trueaxis_sim::error::Result;
 
 /// Rounds of feeds.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 8;
 /// Least share of the programmed feed.
 const LEAST: f64 = 0.02;
 /// Where the feed aims, share of the wanted bound.
 const AIM: f64 = 0.95;
+
+/// A bound that falls to less than this share of the one before was helped by the slower feed.
+const HELPED: f64 = 0.98;
 
 /// Share of a line's programmed feed, and the bound with it.
 #[derive(Clone, Copy, Debug)]
@@ -31,13 +34,9 @@ pub(super) fn feeds(
 ) -> Result<BTreeMap<u32, Slowed>> {
     let own = |(line, of): (&u32, &Bounded)| (*line, Slowed { share: 1.0, bound: of.bound });
     let mut lines: BTreeMap<u32, Slowed> = bounds.iter().map(own).collect();
+    let mut before: BTreeMap<u32, f64> = BTreeMap::new();
     for _ in 0..ROUNDS {
-        let mut slower = false;
-        for line in lines.values_mut().filter(|line| line.bound > wanted && line.share > LEAST) {
-            // An error grows with the feed or its square; too large a step would be slower than needed.
-            line.share = (line.share * (AIM * wanted / line.bound).max(0.25).powf(0.8)).max(LEAST);
-            slower = true;
-        }
+        let slower = slow(&mut lines, &mut before, wanted);
         if !slower {
             break;
         }
@@ -53,4 +52,24 @@ pub(super) fn feeds(
         }
     }
     Ok(lines)
+}
+
+/// Slows every line whose bound exceeds `wanted`; where that did not help in the round before, the line that leads to it, since
+/// an error that begins in its last moments ends on the next. Returns whether any feed has changed.
+fn slow(lines: &mut BTreeMap<u32, Slowed>, before: &mut BTreeMap<u32, f64>, wanted: f64) -> bool {
+    let numbers: Vec<u32> = lines.keys().copied().collect();
+    let mut slower = false;
+    for (at, number) in numbers.iter().enumerate() {
+        let Some(Slowed { bound, .. }) = lines.get(number).copied().filter(|line| line.bound > wanted) else {
+            continue;
+        };
+        let helped = before.insert(*number, bound).is_none_or(|before| bound < HELPED * before);
+        let slowed = if helped { *number } else { numbers[at.saturating_sub(1)] };
+        if let Some(line) = lines.get_mut(&slowed).filter(|line| line.share > LEAST) {
+            // An error grows with the feed or its square; too large a step would be slower than needed.
+            line.share = (line.share * (AIM * wanted / bound).max(0.25).powf(0.8)).max(LEAST);
+            slower = true;
+        }
+    }
+    slower
 }
