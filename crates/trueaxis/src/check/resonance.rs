@@ -168,7 +168,7 @@ impl Plants<'_> {
                 for &gains in all {
                     for factor in factors {
                         let masses = Masses { omega: masses.omega * factor, ..masses };
-                        worst = worst.or(self.member(gains, &masses, only_sound).unwrap_or(Peak::NONE));
+                        worst = worst.or(self.member(gains, &masses, only_sound, &worst).unwrap_or(Peak::NONE));
                     }
                 }
             }
@@ -177,8 +177,8 @@ impl Plants<'_> {
     }
 
     /// The largest gain of one plant, from half the antiresonance up: below it the plant is as good as rigid. `None` if it is
-    /// not sound by itself and `only_sound`.
-    fn member(&self, [kv, kvp]: [f64; 2], masses: &Masses, only_sound: bool) -> Option<Peak> {
+    /// not sound by itself, though `only_sound` ones count and its gain is beyond that of the `worst` one so far.
+    fn member(&self, [kv, kvp]: [f64; 2], masses: &Masses, only_sound: bool, worst: &Peak) -> Option<Peak> {
         let drive = DriveFigures {
             position_gain_per_s: self.closed.drive.position_gain_per_s * kv,
             velocity_gain_per_s: self.closed.drive.velocity_gain_per_s * kvp,
@@ -197,10 +197,12 @@ impl Plants<'_> {
         };
         let own_gain = |omega: f64| square(&alone, omega) / square(&denominator, omega);
         let range = [0.5 * masses.omega * libm::sqrt(1.0 - masses.share), 4.0 * masses.omega];
-        if only_sound && largest(range, own_gain)[1] > SOUND * SOUND {
+        let [omega, gain] = largest(range, loop_gain);
+        // Whether a drive is sound costs as much again, and matters only if it is the worst so far.
+        let counts = gain > worst.gain * worst.gain;
+        if counts && only_sound && largest(range, own_gain)[1] > SOUND * SOUND {
             return None;
         }
-        let [omega, gain] = largest(range, loop_gain);
         Some(Peak { gain: libm::sqrt(gain), omega })
     }
 
