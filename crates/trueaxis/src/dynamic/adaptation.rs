@@ -7,6 +7,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::adapt::Factors;
+use super::adapted::Adapted;
 use super::feed_forward::{Drift, FeedForward};
 use super::spike::{Left, Motion, Probe, SATURATED, Seen, Spike};
 use super::state::DynamicState;
@@ -26,43 +27,6 @@ const STUCK: u8 = 2;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Adaptation<R, const N: usize> {
     pub(super) probes: [Option<Probe<R>>; N],
-}
-
-/// Mutable half.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Adapted<R, P, const N: usize> {
-    spike: Spike<R, P>,
-    /// Reversals with the wrong sign, and windows with stick-slip, in a row, by axis.
-    reversed: [u8; N],
-    stuck: [u8; N],
-    /// The first fault since the last reset, and its axis.
-    fault: Fault,
-    slot: u8,
-    /// Whether the host has stopped it.
-    frozen: bool,
-}
-
-impl<R: Real, P: Position, const N: usize> Adapted<R, P, N> {
-    pub(super) fn new() -> Self {
-        let none = [0; N];
-        Adapted { spike: Spike::default(), reversed: none, stuck: none, fault: Fault::None, slot: 0, frozen: false }
-    }
-
-    /// Forgets faults, and the window in progress.
-    pub(super) fn clear(&mut self) {
-        *self = Adapted { frozen: self.frozen, ..Adapted::new() };
-    }
-
-    /// The fault and its axis.
-    pub(super) fn fault(&self) -> Option<(Fault, u8)> {
-        (self.fault != Fault::None).then_some((self.fault, self.slot))
-    }
-
-    /// Freezes the factors, or lets them follow again.
-    pub(super) fn freeze(&mut self, frozen: bool) {
-        self.frozen = frozen;
-        self.spike.end();
-    }
 }
 
 impl<R: Real, const N: usize> Adaptation<R, N> {

@@ -17,6 +17,7 @@
 
 mod adapt;
 mod adaptation;
+mod adapted;
 mod common;
 mod crosstalk;
 mod evidence;

@@ -4,7 +4,7 @@
 
 use super::Dynamics;
 use super::adapt::Factors;
-use super::adaptation::Adapted;
+use super::adapted::Adapted;
 use super::common::Shared;
 use super::evidence::Worth;
 use super::feed_forward::Drift;

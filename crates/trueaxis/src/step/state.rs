@@ -54,7 +54,7 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
     }
 
     /// Freezes the friction of all axes where it is, or lets it adapt again
-    /// ([`FrictionSettings::adapt`](crate::machine::FrictionSettings::adapt)).
+    /// (`[axis.*.friction] adapt`).
     pub fn freeze_friction(&mut self, frozen: bool) {
         self.dynamic.freeze_friction(frozen);
     }
