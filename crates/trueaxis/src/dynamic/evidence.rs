@@ -187,8 +187,8 @@ impl<R: Real> Evidence<R> {
     {
         let turn = worth.turn;
         worth.turn = if turn == 2 { 0 } else { turn + 1 };
-        let states = worth.regressors.iter_mut().zip(&mut worth.parts).zip(self.keep.iter().zip(&self.floor));
-        let Some(((regressors, part), (keep, floor))) = states.skip(usize::from(turn)).next() else { return };
+        let mut states = worth.regressors.iter_mut().zip(&mut worth.parts).zip(self.keep.iter().zip(&self.floor));
+        let Some(((regressors, part), (keep, floor))) = states.nth(usize::from(turn)) else { return };
         let e = error.unwrap_or_default();
         let (mut along, mut square, mut forwards, mut way, mut size) = (R::ZERO, R::ZERO, R::ZERO, R::ZERO, R::ZERO);
         for ((regressor, (reach, drift)), e) in regressors.iter_mut().zip(axes).zip(e) {
