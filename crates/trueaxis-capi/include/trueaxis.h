@@ -145,22 +145,22 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 1096
+#define TRUEAXIS_LOOP_WORDS 1256
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 648
+#define TRUEAXIS_LOOP_WORDS 728
 #endif
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 808
+#define TRUEAXIS_STATE_WORDS 928
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 432
+#define TRUEAXIS_STATE_WORDS 488
 #endif
 
 /// The foot is a minimum of the distance, bracketed by − and +.
@@ -278,7 +278,7 @@
 /// No fault.
 #define TRUEAXIS_FAULT_NONE 0
 
-/// A reading is not finite. With faults 1 to 15 the correction freezes and the command passes.
+/// A reading is not finite. With faults 1 to 11 the correction freezes and the command passes.
 #define TRUEAXIS_FAULT_FEEDBACK_NOT_FINITE 1
 
 /// A reading changed in one cycle by more than the axis can move, or is more than 1 mm (1 degree) outside the joint's
@@ -296,6 +296,13 @@
 
 /// A reading moves against the command, or by about half or twice as much: sign or scale of the encoder are wrong.
 #define TRUEAXIS_FAULT_FEEDBACK_RATIO 6
+
+/// An axis whose friction adapts sticks and slips. Faults 12 to 15 are reported until a reset, while the correction
+/// continues with the identified friction.
+#define TRUEAXIS_FAULT_STICK_SLIP 12
+
+/// The friction of an axis that adapts has the wrong sign at its reversals.
+#define TRUEAXIS_FAULT_FRICTION_REVERSED 13
 
 /// A command is not finite. With faults 16 to 31 the output holds and the step requests a stop.
 #define TRUEAXIS_FAULT_COMMAND_NOT_FINITE 16

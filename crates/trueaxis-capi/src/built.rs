@@ -14,16 +14,16 @@ use trueaxis::{Bypass, Config, ConfigError, Fault, Measure};
 
 /// Words of a `trueaxis_loop_t`.
 #[cfg(not(feature = "single"))]
-pub const LOOP_WORDS: usize = 1096;
+pub const LOOP_WORDS: usize = 1256;
 /// Words of a `trueaxis_loop_t`.
 #[cfg(feature = "single")]
-pub const LOOP_WORDS: usize = 648;
+pub const LOOP_WORDS: usize = 728;
 /// Words of a `trueaxis_state_t`.
 #[cfg(not(feature = "single"))]
-pub const STATE_WORDS: usize = 808;
+pub const STATE_WORDS: usize = 928;
 /// Words of a `trueaxis_state_t`.
 #[cfg(feature = "single")]
-pub const STATE_WORDS: usize = 432;
+pub const STATE_WORDS: usize = 488;
 
 /// Tables, limits and settings of a machine. Immutable; may be copied and may be read from any thread.
 #[repr(C)]

@@ -9,8 +9,8 @@ use trueaxis::tcomp::Tcomp;
 use trueaxis_evaluation::accuracy;
 use trueaxis_evaluation::check::{CheckDocument, compiled, findings};
 use trueaxis_evaluation::shown::{self as description, Table};
-use trueaxis_tables::uncertainty::Uncertainties;
 use trueaxis_tables::text::decode;
+use trueaxis_tables::uncertainty::Uncertainties;
 use trueaxis_tables::{DriveRate, GridSource, Machine, TableText, rates, table_texts};
 
 /// The full description of a machine.

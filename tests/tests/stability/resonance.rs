@@ -5,8 +5,8 @@
 
 use super::campaign::{Shape, Track, drive};
 use super::plugin::{Plugin, WIDE, machine, servo};
-use trueaxis::machine::{DriveFigures, FrictionSettings, MachineSettings};
 use trueaxis::error::Field;
+use trueaxis::machine::{DriveFigures, FrictionSettings, MachineSettings};
 use trueaxis::{ConfigError, Dynamics, HostServo};
 use trueaxis_testing::machine::Machine;
 use trueaxis_testing::noise::Noise;

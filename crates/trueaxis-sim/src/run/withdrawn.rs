@@ -4,11 +4,16 @@ use super::sample::Moment;
 use trueaxis::telemetry::Status;
 
 /// Bits of the status that report a part as withdrawn, with the part and the reason in words.
-const PARTS: [(Status, &str, &str); 1] = [(
-    Status::FEEDBACK_OUT,
-    "contour feedback",
-    "the contour error oscillated, or an oscillation was larger with it than without it",
-)];
+const PARTS: [(Status, &str, &str); 3] = [
+    (
+        Status::FEEDBACK_OUT,
+        "contour feedback",
+        "the contour error oscillated, or an oscillation was larger with it than without it",
+    ),
+    (Status::FRICTION_OUT, "friction part", HARM),
+    (Status::LAG_OUT, "lag or acceleration part", HARM),
+];
+const HARM: &str = "the contour error was larger with it than without it";
 
 /// Most withdrawals that a run lists.
 const MOST: usize = 20;
