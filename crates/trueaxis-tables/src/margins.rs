@@ -58,11 +58,13 @@ pub struct Notched {
 fn spread(machine: &Machine, known: &Uncertainties, axis: Axis) -> Spread {
     let drive = machine.settings.axis(axis).and_then(|own| own.servo.drive);
     let own = known.axes.iter().find(|own| own.axis == axis);
-    let (Some(drive), Some(own)) = (drive, own) else { return Spread::LEAST };
+    let assumed = Spread { assumed: true, ..Spread::LEAST };
+    let (Some(drive), Some(own)) = (drive, own) else { return assumed };
     let expanded = |stated: Option<f64>| 2.0 * stated.unwrap_or(0.0);
     Spread {
         frequency: (expanded(own.resonance_hz) / drive.resonance_hz).max(Spread::LEAST.frequency),
         damping: expanded(own.resonance_damping),
+        ..assumed
     }
 }
 

@@ -4,7 +4,6 @@
 mod campaign;
 mod drive;
 mod plugin;
-mod resonance;
 
 use campaign::{CYCLES, Shape, Track, drive, effects, errors, near};
 use plugin::{Plugin, WIDE, machine, servo};

@@ -23,11 +23,14 @@ pub struct Spread {
     pub frequency: f64,
     /// Its damping, share of critical.
     pub damping: f64,
+    /// Whether resonances that nobody stated are assumed, from [`assumed_lowest_hz`] up: where a machine is compiled, not on
+    /// a controller.
+    pub assumed: bool,
 }
 
 impl Spread {
-    /// ±10 % of the frequency, the damping as stated.
-    pub const LEAST: Spread = Spread { frequency: 0.1, damping: 0.0 };
+    /// ±10 % of the frequency, the damping as stated, no other resonance.
+    pub const LEAST: Spread = Spread { frequency: 0.1, damping: 0.0, assumed: false };
 }
 
 /// Gains K_v and K_vp over the stated ones.
@@ -114,7 +117,8 @@ fn worst(closed: &Closed<'_>, spread: &Spread, notch: Option<&Notch>) -> Peak {
         let damping = resonance_damping - spread.damping;
         plants.around([resonance_hz, damping], &[1.0, 1.0 - share, 1.0 + share], false)
     });
-    let assumed = assumed_lowest_hz(closed.drive).map(|lowest| plants.above(lowest));
+    let lowest = assumed_lowest_hz(closed.drive).filter(|_| spread.assumed);
+    let assumed = lowest.map(|lowest| plants.above(lowest));
     stated.into_iter().chain(assumed).fold(Peak::NONE, Peak::or)
 }
 

@@ -126,7 +126,8 @@ pub(crate) fn notches(machine: &MachineSettings, period_s: f64) -> impl Iterator
 }
 
 /// Refuses gains of the contour feedback that leave less than [`super::PHASE_MARGIN_DEG`], [`super::GAIN_MARGIN_DB`] or
-/// [`super::RESONANCE_MARGIN_DB`] on an axis at this servo period, s (0: not known yet). [`Margins`] lists the loops.
+/// [`super::RESONANCE_MARGIN_DB`] at the stated resonance on an axis at this servo period, s (0: not known yet). [`Margins`]
+/// lists the loops. Resonances that nobody stated are assumed only where a machine is compiled ([`feedback_within`]).
 ///
 /// # Errors
 /// The proportional gain, or the integral one if the proportional gain is zero; bound: its largest permitted value at

@@ -370,7 +370,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 && !(supplied || moment.late);
             adaptation.cycle(self.axes.each_ref().map(|act| &act.law), state, sample, &changes, follows);
         }
-        if let (Some(evidence), true) = (&self.evidence, sample.due) {
+        if let (Some(evidence), true) = (&self.evidence, sample.due && state.worth.is_on_trial()) {
             let error = moment.error.filter(|_| sample.verdict == Verdict::Active);
             let axes = self.axes.iter().map(|act| &act.reach).zip(&state.drift);
             evidence.judge(&mut state.worth, axes, error);
