@@ -240,6 +240,7 @@ impl<R: Real> Evidence<R> {
 }
 
 #[cfg(test)]
+#[allow(clippy::indexing_slicing)]
 mod tests {
     use super::super::Dynamics;
     use super::super::feed_forward::FeedForward;
