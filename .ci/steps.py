@@ -19,7 +19,7 @@ TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 TOOLS = Path(subprocess.check_output([ROOT / ".ci/install", "--where"], text=True).strip())
 REFERENCE = ROOT.parent / "shared/data"
 # What a run from nothing may leave on the disk, GB; it prints what it has left.
-DISK_GB = 16.0
+DISK_GB = 30.0
 
 TOOLS_SCRIPT = """
 # Everything that other scripts would install, so that two of them do not meet at the package manager.
