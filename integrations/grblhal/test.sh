@@ -152,7 +152,7 @@ fi
 
 # A part with 256 KiB of flash and 64 KiB of RAM: nine terms, contour error against lines, records.
 library flash flash small --no-default-features --features single,three
-arm-none-eabi-gcc "${flags[@]}" "-DTRUEAXIS_TABLES=\"$out/nine.tcomp\"" -DTRUEAXIS_MEMORY_BYTES=8192 -DBLOCKS=64 -DTRUEAXIS_SINGLE \
+arm-none-eabi-gcc "${flags[@]}" "-DTRUEAXIS_TABLES=\"$out/nine.tcomp\"" -DTRUEAXIS_MEMORY_BYTES=6656 -DBLOCKS=36 -DTRUEAXIS_SINGLE \
     -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mthumb -mfloat-abi=hard tables.S double/core.c "${plugin[@]}" tests/small.c \
     "$board/startup.c" "$out/small.a" --specs=rdimon.specs -nostartfiles \
     -Ttests/small.ld -Wl,--gc-sections,-z,noexecstack,--no-warn-rwx-segments -lm -o "$out/part256-m4f.elf"
