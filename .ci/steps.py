@@ -171,7 +171,7 @@ def left_gb():
     ignored = ["git", "ls-files", "--others", "--ignored", "--exclude-standard", "--directory", "-z"]
     names = subprocess.check_output(ignored, cwd=ROOT, text=True).split("\0")
     folders = {ROOT / name for name in names if name} | {TARGET}
-    # A file may go while it is counted. What is in two of the folders counts once.
+    # du fails if a file is deleted while it counts; it counts a folder inside another one once.
     done = subprocess.run(["du", "-sck", *filter(Path.exists, folders)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=False)
     return int(done.stdout.splitlines()[-1].split()[0]) * 1024 / 1e9
 

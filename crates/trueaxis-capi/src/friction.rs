@@ -6,7 +6,7 @@ use crate::opaque;
 use crate::pointer::check;
 use crate::result::{self, ERROR_ARGUMENT, ERROR_AXES, ResultCode};
 
-/// What is done to the friction of all axes.
+/// Command to the adaptation of friction, for all axes.
 #[derive(Clone, Copy)]
 enum Order {
     Freeze(bool),

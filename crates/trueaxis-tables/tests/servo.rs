@@ -417,7 +417,7 @@ fn an_interval_of_friction_that_excludes_the_identified_figure_is_refused() {
             assert!(error.contains(part), "{value}: {error}");
         }
     }
-    // A pair of ends is no share.
+    // Two ends of an interval are refused: the key is one number.
     let error = adapting("[0.6, 0.9]").unwrap_err();
     assert!(error.contains("adapt") && error.contains("number"), "{error}");
     let machine = adapting("0.5").unwrap();

@@ -73,7 +73,7 @@ export interface Curve {
   expanded: (number | null)[];
 }
 
-/** Deviations of the radius over the angle of a circle. Those of one section have one scale in the desk. */
+/** Deviations of the radius over the angle of a circle. The desk draws all plots of a section to the same scale. */
 export interface Polar {
   /** Heading of the part of the page that contains the plot. */
   section: string;

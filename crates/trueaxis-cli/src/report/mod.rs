@@ -25,7 +25,7 @@ pub(crate) fn write_to(outputs: &mut Outputs, page: &str, path: &Path, name: &st
     write(outputs, page, path, name)
 }
 
-/// Stages the page of a result from the file `record`, with sections of its own.
+/// Stages the page of a result from the file `record`, with the additional sections `figures`.
 pub(crate) fn stage<H: AsRef<str>>(
     outputs: &mut Outputs,
     to: (&Path, &str),

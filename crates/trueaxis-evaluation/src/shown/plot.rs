@@ -135,7 +135,7 @@ impl Plot {
     }
 }
 
-/// Deviations of the radius over the angle of a circle. Those of one section have one scale in the desk.
+/// Deviations of the radius over the angle of a circle. The desk draws all plots of a section to the same scale.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Polar {
     /// Heading of the part of the page that contains the plot.

@@ -64,7 +64,7 @@ impl Run {
     }
 
     /// Sets up the scenario on machines of one kind that differ in their drives, side by side: each entry, in the order
-    /// X Y Z A B C, takes the place of the settings' drives on a machine of its own.
+    /// X Y Z A B C, replaces the drives of the settings on one machine.
     ///
     /// # Errors
     /// As [`Run::of`], and for drives whose figures do not agree with each other.

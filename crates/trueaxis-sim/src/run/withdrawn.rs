@@ -30,7 +30,7 @@ pub struct Withdrawn {
 }
 
 impl Withdrawn {
-    /// What was withdrawn, when and why.
+    /// A sentence with the part, the time, the line and the reason.
     pub(super) fn note(&self, period_s: f64) -> String {
         let Withdrawn { part, why, cycle, line } = self;
         let time_s = *cycle as f64 * period_s;

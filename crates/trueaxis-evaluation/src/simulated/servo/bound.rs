@@ -13,8 +13,8 @@ use trueaxis_sim::Scenario;
 use trueaxis_sim::error::Result;
 use trueaxis_sim::plant::drive::DriveSettings;
 
-/// Bound over the worst of [`SCREENED`] plants. Of 1,000 plants drawn anew the worst is larger than that of 4,000 by 4 % in one
-/// of twenty trials where four figures share the effect evenly, by 9 % where very many do; it is smaller by at most 17 to 25 %.
+/// Bound over the worst of [`SCREENED`] plants. The worst of 1,000 other plants is larger than that of 4,000 by 4 % in one of
+/// twenty trials where four figures share the effect evenly, by 9 % where very many do; it is smaller by at most 17 to 25 %.
 const MARGIN: f64 = 1.15;
 /// Plants drawn from the family of which the superposed effects choose those that are simulated.
 const SCREENED: usize = 4000;
@@ -47,7 +47,7 @@ pub(super) struct Bounded {
     pub(super) bound: f64,
 }
 
-/// What is known of a line.
+/// Errors and bound of a line.
 #[derive(Default)]
 struct Line {
     stated: f64,

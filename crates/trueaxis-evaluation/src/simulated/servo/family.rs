@@ -13,7 +13,7 @@ use trueaxis_sim::plant::stated;
 /// Figures of a drive that the family varies.
 pub(super) const FIGURES: usize = 6;
 
-/// How far the drives of a family are from their figures, each figure by itself and on each axis by itself.
+/// How far the drives of a family are from their figures; every figure of every axis varies independently.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Family {
     /// Gains of position and velocity loop, share of the figure.

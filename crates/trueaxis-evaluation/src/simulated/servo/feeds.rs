@@ -25,7 +25,7 @@ pub(super) struct Slowed {
 }
 
 /// Slows the lines whose bound exceeds `wanted` (µm) until it does not, or as far as it can; every round computes the bounds
-/// anew, with all feeds of the round.
+/// with all feeds found so far.
 pub(super) fn feeds(
     scenario: &Arc<Scenario>,
     family: &Family,

@@ -23,7 +23,7 @@ use trueaxis_sim::{Scenario, SimError};
 pub use document::{Drawn, FeedFor, LineBound, ServoBound};
 pub use family::Family;
 
-/// What is asked for.
+/// Options of a prediction.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
     /// The family.
