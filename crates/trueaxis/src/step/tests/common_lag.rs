@@ -115,6 +115,8 @@ fn without_a_limit_that_binds_every_bit_is_that_of_the_law() {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { cases: crate::testing::share::share(256) as u32, ..ProptestConfig::default() })]
+
     /// Whatever the drives and the motion, d keeps its limits in every cycle while λ sets in, changes and ends.
     #[test]
     fn nothing_jumps(
