@@ -24,3 +24,4 @@ mod thermal;
 #[cfg(feature = "three")]
 mod three;
 mod tool;
+mod trial;
