@@ -35,7 +35,7 @@
 #define TRUEAXIS_ABI_MAJOR 3
 #endif
 #ifndef TRUEAXIS_ABI_MINOR
-#define TRUEAXIS_ABI_MINOR 3
+#define TRUEAXIS_ABI_MINOR 4
 #endif
 #ifdef TRUEAXIS_SINGLE
 #define TRUEAXIS_ABI_VERSION (UINT32_C(0x80000000) | (uint32_t)TRUEAXIS_ABI_MAJOR << 16 | TRUEAXIS_ABI_MINOR)
@@ -1228,6 +1228,27 @@ trueaxis_result_t trueaxis_set_thermal(const struct trueaxis_loop_t *loop,
                                        struct trueaxis_state_t *state,
                                        uint32_t axis,
                                        double kelvin);
+
+/// Freezes the friction of all axes where it is (`frozen` not 0), or lets it adapt again. Call it between two cycles. No
+/// effect in a bypass and on axes without `adapt`. Real-time safe. Errors: `_AXES`, `_STATE`.
+trueaxis_result_t trueaxis_friction_freeze(const struct trueaxis_loop_t *loop,
+                                           struct trueaxis_state_t *state,
+                                           uint8_t frozen);
+
+/// Returns the friction of all axes to the identified figures, through the limiter, and forgets faults 12 and 13. Call it
+/// between two cycles. No effect in a bypass. Real-time safe. Errors: `_AXES`, `_STATE`.
+trueaxis_result_t trueaxis_friction_reset(const struct trueaxis_loop_t *loop,
+                                          struct trueaxis_state_t *state);
+
+/// Reads the factors in use on the identified friction of an axis: of Coulomb friction, and of pre-sliding.
+///
+/// `axis`: index in the step's order (0 = X). `coulomb`, `presliding`: one number each; 1 in a bypass. Real-time safe.
+/// Errors: `_AXES`, `_STATE`, `_ARGUMENT` (no such axis, or one without `adapt`).
+trueaxis_result_t trueaxis_friction_factors(const struct trueaxis_loop_t *loop,
+                                            struct trueaxis_state_t *state,
+                                            uint32_t axis,
+                                            trueaxis_real_t *coulomb,
+                                            trueaxis_real_t *presliding);
 
 /// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees). The position continues where
 /// the counter wraps.

@@ -7,6 +7,7 @@ mod dynamics;
 mod encoder;
 #[cfg(not(miri))]
 mod flipped_bits;
+mod friction;
 mod gauge;
 mod grid;
 #[cfg(not(feature = "single"))]
