@@ -78,6 +78,10 @@ fn every_act_does_by_hand_what_it_does_in_a_scenario() {
         (&["off:acceleration@NOW"], full),
         (&["off:feedback@NOW"], full),
         (&["off:take-up@NOW"], full),
+        (&["on:trial@NOW"], full),
+        (&["on:trial@NOW", "off:trial@0.9s"], full),
+        // The friction of the machine does not adapt.
+        (&["off:adapt@NOW", "reset:adapt@0.9s", "on:adapt@0.95s"], [false; 5]),
         // The machine has neither, but with every switch the feed-forward of the other parts restarts.
         (&["off:crosstalk@NOW", "off:learned@NOW"], full),
         (&["exchange:warm@NOW"], driven),
@@ -86,7 +90,8 @@ fn every_act_does_by_hand_what_it_does_in_a_scenario() {
         (&["jump-command:X@0.75s+1=3mm", "off:correction@NOW"], [true, true, false, true, true]),
     ] {
         let (hand, texts) = by_hand(acts);
-        let is_event = |text: &&String| text.starts_with("o") || text.starts_with("exchange");
+        let is_event =
+            |text: &&String| ["on:", "off:", "reset:", "exchange:"].iter().any(|name| text.starts_with(name));
         let (events, faults): (Vec<String>, Vec<String>) = texts.iter().cloned().partition(|text| is_event(&text));
         let again = finish(Run::of(scenario(&faults, &events), &KINDS).unwrap());
         assert_eq!(hand, again, "{acts:?}");
@@ -114,6 +119,49 @@ fn events_act_from_their_cycle_on() {
     assert!(without[899].iter().any(|c| c.abs() > 1.0));
     let last = with.len() - 1;
     assert_eq!(with[last], without[last]);
+}
+
+/// Four turns on the machine whose stated Coulomb friction is 40 % lower, with adapting friction; events. Returns the run's
+/// figures, and of every cycle the factors on the friction of X and Y and the positions sent.
+fn turns(adapt: f64, events: &[&str]) -> (Tallies, Vec<[[f32; 2]; 2]>, Vec<[u64; 6]>) {
+    let mut own = machine();
+    for axis in &mut own.settings.axes {
+        let friction = axis.servo.friction.as_mut().unwrap();
+        (friction.coulomb_per_s, friction.adapt) = (0.6 * friction.coulomb_per_s, adapt);
+    }
+    let mut settings = Settings { rate_hz: 1000.0, seed: 3, ..Settings::default() };
+    settings.set("events", &format!("{events:?}")).unwrap();
+    let program = Program::parse("turns", "G21 G90 F1500\nG2 I10\nG2 I10\nG2 I10\nG2 I10\n", "turns.ngc").unwrap();
+    let mut run = Run::of(Scenario::new(own, program, settings).unwrap(), &[Kind::Full]).unwrap();
+    let (mut factors, mut drives) = (Vec::new(), Vec::new());
+    let mut sink = |_: &Moment, machines: &[Option<&Sample>]| {
+        factors.extend(machines.iter().flatten().map(|sample| [sample.friction[0], sample.friction[1]]));
+        drives.extend(machines.iter().flatten().map(|sample| sample.drive.map(f64::to_bits)));
+    };
+    while run.advance(u64::MAX, &mut sink) {}
+    (run.tallies().remove(0), factors, drives)
+}
+
+#[test]
+fn adapting_friction_is_frozen_and_reset() {
+    let (_, none, plain) = turns(0.0, &[]);
+    assert!(none.iter().all(|factors| *factors == [[0.0; 2]; 2]));
+    let (adapted, factors, drives) = turns(0.5, &[]);
+    let level = |factors: &[[f32; 2]; 2]| factors.map(|[level, _]| level);
+    assert!(level(factors.last().unwrap()).iter().all(|level| *level > 1.1), "{:?}", factors.last());
+    assert_eq!(adapted.friction[..2], factors.last().unwrap()[..]);
+    assert_ne!(drives, plain);
+    // Frozen from the start: the friction as identified, in every bit of what is sent.
+    let (_, factors, frozen) = turns(0.5, &["off:adapt@0s"]);
+    assert!(factors.iter().all(|factors| *factors == [[1.0; 2]; 2]));
+    assert!(frozen == plain);
+    // Frozen in motion, then reset, then free again.
+    let (_, factors, _) = turns(0.5, &["off:adapt@4s", "reset:adapt@6s", "on:adapt@7s"]);
+    let (held, reset) = (level(&factors[3_999]), [1.0; 2]);
+    assert!(held.iter().all(|level| *level > 1.04), "{held:?}");
+    assert!(factors[4_000..6_000].iter().all(|factors| level(factors) == held));
+    assert!(factors[6_000..7_000].iter().all(|factors| level(factors) == reset));
+    assert!(level(factors.last().unwrap()).iter().all(|level| *level > 1.04), "{:?}", factors.last());
 }
 
 #[test]
