@@ -121,47 +121,66 @@ fn events_act_from_their_cycle_on() {
     assert_eq!(with[last], without[last]);
 }
 
-/// Four turns on the machine whose stated Coulomb friction is 40 % lower, with adapting friction; events. Returns the run's
-/// figures, and of every cycle the factors on the friction of X and Y and the positions sent.
-fn turns(adapt: f64, events: &[&str]) -> (Tallies, Vec<[[f32; 2]; 2]>, Vec<[u64; 6]>) {
-    let mut own = machine();
-    for axis in &mut own.settings.axes {
-        let friction = axis.servo.friction.as_mut().unwrap();
-        (friction.coulomb_per_s, friction.adapt) = (0.6 * friction.coulomb_per_s, adapt);
+/// A run on the machine whose friction adapts.
+struct Turns {
+    tallies: Tallies,
+    /// Factors on the friction of X and Y, of every cycle.
+    factors: Vec<[[f32; 2]; 2]>,
+    /// Positions sent, of every cycle, as bits.
+    drives: Vec<[u64; 6]>,
+}
+
+impl Turns {
+    /// Four turns with these events, on the machine whose stated Coulomb friction is 40 % lower and adapts by the share `adapt`.
+    fn run(adapt: f64, events: &[&str]) -> Turns {
+        let mut own = machine();
+        for axis in &mut own.settings.axes {
+            let friction = axis.servo.friction.as_mut().unwrap();
+            (friction.coulomb_per_s, friction.adapt) = (0.6 * friction.coulomb_per_s, adapt);
+        }
+        let mut settings = Settings { rate_hz: 1000.0, seed: 3, ..Settings::default() };
+        settings.set("events", &format!("{events:?}")).unwrap();
+        let text = "G21 G90 F1500\nG2 I10\nG2 I10\nG2 I10\nG2 I10\n";
+        let program = Program::parse("turns", text, "turns.ngc").unwrap();
+        let mut run = Run::of(Scenario::new(own, program, settings).unwrap(), &[Kind::Full]).unwrap();
+        let (mut factors, mut drives) = (Vec::new(), Vec::new());
+        let mut sink = |_: &Moment, machines: &[Option<&Sample>]| {
+            factors.extend(machines.iter().flatten().map(|sample| [sample.friction[0], sample.friction[1]]));
+            drives.extend(machines.iter().flatten().map(|sample| sample.drive.map(f64::to_bits)));
+        };
+        while run.advance(u64::MAX, &mut sink) {}
+        Turns { tallies: run.tallies().remove(0), factors, drives }
     }
-    let mut settings = Settings { rate_hz: 1000.0, seed: 3, ..Settings::default() };
-    settings.set("events", &format!("{events:?}")).unwrap();
-    let program = Program::parse("turns", "G21 G90 F1500\nG2 I10\nG2 I10\nG2 I10\nG2 I10\n", "turns.ngc").unwrap();
-    let mut run = Run::of(Scenario::new(own, program, settings).unwrap(), &[Kind::Full]).unwrap();
-    let (mut factors, mut drives) = (Vec::new(), Vec::new());
-    let mut sink = |_: &Moment, machines: &[Option<&Sample>]| {
-        factors.extend(machines.iter().flatten().map(|sample| [sample.friction[0], sample.friction[1]]));
-        drives.extend(machines.iter().flatten().map(|sample| sample.drive.map(f64::to_bits)));
-    };
-    while run.advance(u64::MAX, &mut sink) {}
-    (run.tallies().remove(0), factors, drives)
+
+    /// Factors on the Coulomb friction of X and Y.
+    fn levels(&self, cycles: std::ops::Range<usize>) -> impl Iterator<Item = [f32; 2]> {
+        self.factors[cycles].iter().map(|factors| factors.map(|[level, _]| level))
+    }
+
+    fn last(&self) -> [f32; 2] {
+        self.factors.last().unwrap().map(|[level, _]| level)
+    }
 }
 
 #[test]
 fn adapting_friction_is_frozen_and_reset() {
-    let (_, none, plain) = turns(0.0, &[]);
-    assert!(none.iter().all(|factors| *factors == [[0.0; 2]; 2]));
-    let (adapted, factors, drives) = turns(0.5, &[]);
-    let level = |factors: &[[f32; 2]; 2]| factors.map(|[level, _]| level);
-    assert!(level(factors.last().unwrap()).iter().all(|level| *level > 1.1), "{:?}", factors.last());
-    assert_eq!(adapted.friction[..2], factors.last().unwrap()[..]);
-    assert_ne!(drives, plain);
+    let plain = Turns::run(0.0, &[]);
+    assert!(plain.factors.iter().all(|factors| *factors == [[0.0; 2]; 2]));
+    let adapted = Turns::run(0.5, &[]);
+    assert!(adapted.last().iter().all(|level| *level > 1.1), "{:?}", adapted.last());
+    assert_eq!(adapted.tallies.friction[..2], adapted.factors.last().unwrap()[..]);
+    assert!(adapted.drives != plain.drives);
     // Frozen from the start: the friction as identified, in every bit of what is sent.
-    let (_, factors, frozen) = turns(0.5, &["off:adapt@0s"]);
-    assert!(factors.iter().all(|factors| *factors == [[1.0; 2]; 2]));
-    assert!(frozen == plain);
+    let frozen = Turns::run(0.5, &["off:adapt@0s"]);
+    assert!(frozen.factors.iter().all(|factors| *factors == [[1.0; 2]; 2]));
+    assert!(frozen.drives == plain.drives);
     // Frozen in motion, then reset, then free again.
-    let (_, factors, _) = turns(0.5, &["off:adapt@4s", "reset:adapt@6s", "on:adapt@7s"]);
-    let (held, reset) = (level(&factors[3_999]), [1.0; 2]);
+    let switched = Turns::run(0.5, &["off:adapt@4s", "reset:adapt@6s", "on:adapt@7s"]);
+    let held = switched.levels(3_999..4_000).next().unwrap();
     assert!(held.iter().all(|level| *level > 1.04), "{held:?}");
-    assert!(factors[4_000..6_000].iter().all(|factors| level(factors) == held));
-    assert!(factors[6_000..7_000].iter().all(|factors| level(factors) == reset));
-    assert!(level(factors.last().unwrap()).iter().all(|level| *level > 1.04), "{:?}", factors.last());
+    assert!(switched.levels(4_000..6_000).all(|levels| levels == held));
+    assert!(switched.levels(6_000..7_000).all(|levels| levels == [1.0; 2]));
+    assert!(switched.last().iter().all(|level| *level > 1.04), "{:?}", switched.last());
 }
 
 #[test]
