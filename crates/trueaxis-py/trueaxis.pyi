@@ -154,6 +154,7 @@ def simulate(
     faults: Sequence[str] = ...,
     events: Sequence[str] = ...,
     exchanges: Mapping[str, Machine] = ...,
+    on_trial: bool = False,
     model: Literal["nine", "volumetric"] | None = None,
     orientation: bool | None = None,
     learned: str | PathLike[str] | None = None,

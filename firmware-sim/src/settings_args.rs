@@ -75,8 +75,8 @@ pub(crate) struct ActArgs {
     #[arg(long, value_name = "FAULT", help_heading = "Faults and events")]
     fault: Vec<String>,
     /// Switch the plugin or a part of it off or on, or exchange its tables in motion, e.g. off:correction@2.5s,
-    /// on:correction@3s, off:friction@3s (lag, acceleration, feedback, crosstalk, learned, take-up), exchange:MACHINE@2s
-    /// (may be given several times). In a scenario file, MACHINE counts from the file's folder.
+    /// on:correction@3s, off:friction@3s (lag, acceleration, feedback, crosstalk, learned, take-up), on:trial@0s,
+    /// off:adapt@3s, reset:adapt@3s, exchange:MACHINE@2s (may be given several times). In a scenario file, MACHINE counts from the file's folder.
     #[arg(long, value_name = "EVENT", help_heading = "Faults and events")]
     event: Vec<String>,
 }

@@ -35,7 +35,7 @@
 #define TRUEAXIS_ABI_MAJOR 3
 #endif
 #ifndef TRUEAXIS_ABI_MINOR
-#define TRUEAXIS_ABI_MINOR 3
+#define TRUEAXIS_ABI_MINOR 4
 #endif
 #ifdef TRUEAXIS_SINGLE
 #define TRUEAXIS_ABI_VERSION (UINT32_C(0x80000000) | (uint32_t)TRUEAXIS_ABI_MAJOR << 16 | TRUEAXIS_ABI_MINOR)
@@ -208,8 +208,15 @@
 /// Bit of `dynamics_off`: lost motion taken up from the reversal of the command.
 #define TRUEAXIS_DYNAMICS_TAKE_UP 64
 
-/// All bits of `dynamics_off`.
+/// All parts of the dynamic correction: bits of `dynamics_off`.
 #define TRUEAXIS_DYNAMICS_ALL 127
+
+/// Bit of `dynamics_off`: no part but a rule. Friction, lag and acceleration are off until the contour error shows that
+/// they help, then act as far as it shows that, and are led out where they harm; the integral of the contour feedback
+/// ends at each reversal of its axis. Without a measure nothing is shown, and the three stay off. For drives whose
+/// figures are uncertain: of 400 simulated plants, 28 instead of 84 get more than 5 % worse than without dynamic
+/// correction, at the price of little gain on tracks of one or two seconds (median of p99.9: 0.996 times that without).
+#define TRUEAXIS_DYNAMICS_ON_TRIAL 128
 
 /// Bit of `record.status`: the machine is homed and enabled, the readings are valid, and the correction follows the
 /// tables.
@@ -230,6 +237,14 @@
 /// Bit of `record.status`: the contour feedback oscillated and is ramped out, until `enable` falls, a reset comes, or
 /// the feedback is switched off.
 #define TRUEAXIS_STATUS_FEEDBACK_OUT 32
+
+/// Bit of `record.status`: on trial (`TRUEAXIS_DYNAMICS_ON_TRIAL`) the friction part made the contour error larger and
+/// acts with a smaller share, until the error shows that it helps, a reset comes, or friction, lag and acceleration are
+/// switched off.
+#define TRUEAXIS_STATUS_FRICTION_OUT 64
+
+/// Bit of `record.status`: the same of the lag or the acceleration part.
+#define TRUEAXIS_STATUS_LAG_OUT 128
 
 /// Words of a `trueaxis_encoder_t`.
 #define TRUEAXIS_ENCODER_WORDS 8
@@ -556,7 +571,8 @@ typedef struct trueaxis_input_t {
     /// Axis of that fault.
     uint8_t refusal_axis;
     /// `TRUEAXIS_DYNAMICS_…` bits of the parts of the dynamic correction that are off in this cycle; 0: all parts that
-    /// the tables configure are on. The limiter ramps each part in and out.
+    /// the tables configure are on. The limiter ramps each part in and out. `TRUEAXIS_DYNAMICS_ON_TRIAL` puts those
+    /// that are on to the trial.
     uint8_t dynamics_off;
     /// Ignored.
     uint8_t reserved;
@@ -1212,6 +1228,27 @@ trueaxis_result_t trueaxis_set_thermal(const struct trueaxis_loop_t *loop,
                                        struct trueaxis_state_t *state,
                                        uint32_t axis,
                                        double kelvin);
+
+/// Freezes the friction of all axes where it is (`frozen` not 0), or lets it adapt again. Call it between two cycles. No
+/// effect in a bypass and on axes without `adapt`. Real-time safe. Errors: `_AXES`, `_STATE`.
+trueaxis_result_t trueaxis_friction_freeze(const struct trueaxis_loop_t *loop,
+                                           struct trueaxis_state_t *state,
+                                           uint8_t frozen);
+
+/// Returns the friction of all axes to the identified figures, through the limiter, and forgets faults 12 and 13. Call it
+/// between two cycles. No effect in a bypass. Real-time safe. Errors: `_AXES`, `_STATE`.
+trueaxis_result_t trueaxis_friction_reset(const struct trueaxis_loop_t *loop,
+                                          struct trueaxis_state_t *state);
+
+/// Reads the factors in use on the identified friction of an axis: of Coulomb friction, and of pre-sliding.
+///
+/// `axis`: index in the step's order (0 = X). `coulomb`, `presliding`: one number each; 1 in a bypass. Real-time safe.
+/// Errors: `_AXES`, `_STATE`, `_ARGUMENT` (no such axis, or one without `adapt`).
+trueaxis_result_t trueaxis_friction_factors(const struct trueaxis_loop_t *loop,
+                                            struct trueaxis_state_t *state,
+                                            uint32_t axis,
+                                            trueaxis_real_t *coulomb,
+                                            trueaxis_real_t *presliding);
 
 /// Starts an encoder: position = `offset` + counts · `resolution`, mm (rotary: degrees). The position continues where
 /// the counter wraps.

@@ -42,7 +42,8 @@ pub struct Input {
     /// Axis of that fault.
     pub refusal_axis: u8,
     /// `TRUEAXIS_DYNAMICS_…` bits of the parts of the dynamic correction that are off in this cycle; 0: all parts that
-    /// the tables configure are on. The limiter ramps each part in and out.
+    /// the tables configure are on. The limiter ramps each part in and out. `TRUEAXIS_DYNAMICS_ON_TRIAL` puts those
+    /// that are on to the trial.
     pub dynamics_off: u8,
     /// Ignored.
     pub reserved: u8,
@@ -100,7 +101,8 @@ impl Input {
             enable: self.enable != 0,
             reset: self.reset != 0,
             refusal: Refusal { fault: Fault::try_from(self.refusal).unwrap_or(Fault::None), slot: self.refusal_axis },
-            dynamics: Dynamics::ALL.without(Dynamics(self.dynamics_off)),
+            // The trial is off by default, the parts are on: a bit that is set changes either.
+            dynamics: Dynamics(Dynamics::ALL.0 ^ self.dynamics_off),
             learned: self.learned.map(to_core),
         }
     }
@@ -146,6 +148,12 @@ pub const STATUS_NO_OUTPUT: u8 = 16;
 /// Bit of `record.status`: the contour feedback oscillated and is ramped out, until `enable` falls, a reset comes, or
 /// the feedback is switched off.
 pub const STATUS_FEEDBACK_OUT: u8 = 32;
+/// Bit of `record.status`: on trial (`TRUEAXIS_DYNAMICS_ON_TRIAL`) the friction part made the contour error larger and
+/// acts with a smaller share, until the error shows that it helps, a reset comes, or friction, lag and acceleration are
+/// switched off.
+pub const STATUS_FRICTION_OUT: u8 = 64;
+/// Bit of `record.status`: the same of the lag or the acceleration part.
+pub const STATUS_LAG_OUT: u8 = 128;
 
 /// Telemetry of a cycle. Positions are of type `trueaxis_position_t`, all other lengths in mm (rotary axes: degrees).
 #[repr(C)]

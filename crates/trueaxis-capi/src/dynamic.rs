@@ -18,8 +18,14 @@ pub const DYNAMICS_CROSSTALK: u8 = 16;
 pub const DYNAMICS_LEARNED: u8 = 32;
 /// Bit of `dynamics_off`: lost motion taken up from the reversal of the command.
 pub const DYNAMICS_TAKE_UP: u8 = 64;
-/// All bits of `dynamics_off`.
+/// All parts of the dynamic correction: bits of `dynamics_off`.
 pub const DYNAMICS_ALL: u8 = 127;
+/// Bit of `dynamics_off`: no part but a rule. Friction, lag and acceleration are off until the contour error shows that
+/// they help, then act as far as it shows that, and are led out where they harm; the integral of the contour feedback
+/// ends at each reversal of its axis. Without a measure nothing is shown, and the three stay off. For drives whose
+/// figures are uncertain: of 400 simulated plants, 28 instead of 84 get more than 5 % worse than without dynamic
+/// correction, at the price of little gain on tracks of one or two seconds (median of p99.9: 0.996 times that without).
+pub const DYNAMICS_ON_TRIAL: u8 = 128;
 
 const _: () = assert!(
     DYNAMICS_FRICTION == Dynamics::FRICTION.0
@@ -30,6 +36,7 @@ const _: () = assert!(
         && DYNAMICS_LEARNED == Dynamics::LEARNED.0
         && DYNAMICS_TAKE_UP == Dynamics::TAKE_UP.0
         && DYNAMICS_ALL == Dynamics::ALL.0
+        && DYNAMICS_ON_TRIAL == Dynamics::ON_TRIAL.0
 );
 
 /// The dynamic correction of a cycle by axis, mm (rotary axes: degrees). `sent` is the limited sum of the other

@@ -5,7 +5,7 @@ use crate::result::{ERROR_ABI, OK, ResultCode};
 /// Changes when an existing part of the interface changes.
 pub const ABI_MAJOR: u32 = 3;
 /// Changes when something is added to the interface.
-pub const ABI_MINOR: u32 = 3;
+pub const ABI_MINOR: u32 = 4;
 /// Set in the version of a single-precision library.
 pub const ABI_SINGLE: u32 = 0x8000_0000;
 /// Version of this library: `major << 16 | minor`, the top bit set for single precision.

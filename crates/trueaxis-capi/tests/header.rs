@@ -26,6 +26,7 @@ const SOURCES: &[&str] = &[
     "dynamic",
     "cycle",
     "step",
+    "friction",
     "encoder",
     "learned",
     "thermal",
@@ -80,4 +81,17 @@ fn header_is_current() {
         header == committed,
         "include/trueaxis.h is not what the source gives: TRUEAXIS_WRITE_HEADER=1 cargo test -p trueaxis-capi --test capi header"
     );
+}
+
+#[test]
+fn every_source_with_a_function_for_c_is_in_the_header() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let sources = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let exports = |file: &std::path::PathBuf| fs::read_to_string(file).unwrap().contains("#[unsafe(no_mangle)]");
+    let missing: Vec<_> = sources
+        .filter(exports)
+        .map(|file| file.file_stem().unwrap().to_str().unwrap().to_owned())
+        .filter(|name| !SOURCES.contains(&name.as_str()))
+        .collect();
+    assert!(missing.is_empty(), "sources that export functions and are not among SOURCES: {missing:?}");
 }

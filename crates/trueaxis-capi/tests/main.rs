@@ -7,6 +7,7 @@ mod dynamics;
 mod encoder;
 #[cfg(not(miri))]
 mod flipped_bits;
+mod friction;
 mod gauge;
 mod grid;
 #[cfg(not(feature = "single"))]
@@ -24,3 +25,4 @@ mod thermal;
 #[cfg(feature = "three")]
 mod three;
 mod tool;
+mod trial;

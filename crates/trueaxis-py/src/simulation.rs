@@ -251,6 +251,13 @@ impl Request<'_> {
 /// - settings: replaces keys of the scenario, like `--set`: {"drive.dead_time_s": 0.001}.
 /// - rate_hz, seed, temperature_c, origin_mm: replace these keys after that.
 /// - faults, events: additions to those of the scenario; an event `exchange:NAME@2s` uses the machine NAME of `exchanges`.
+/// - on_trial: friction, lag and acceleration are on trial from the start, like the event `on:trial@0s`: they act as far as the
+///   contour error shows that they help. For drives whose figures are uncertain: of 400 simulated plants, 28 instead of 84 get more
+///   than 5 % worse than without dynamic correction, at the price of little gain on tracks of one or two seconds (median of
+///   p99.9: 0.996 times that without).
+/// - The events `off:adapt@2s` and `on:adapt@3s` freeze the friction that adapts and let it adapt again, `reset:adapt@2s` returns it
+///   to the identified figures; `friction_factors` of the document has the factors in use in the last cycle, and the trace
+///   has those of every cycle.
 /// - learned: a .tlearn file.
 /// - kinds: machines to simulate side by side, from uncompensated, compensated, servo_only, full, configured; by default, the
 ///   command's.
@@ -260,8 +267,8 @@ impl Request<'_> {
 /// Equal arguments produce equal bits. The function releases the interpreter's lock, so several threads can simulate at once.
 #[pyfunction]
 #[pyo3(signature = (machine, program, *, seed = None, rate_hz = None, temperature_c = None, origin_mm = None, scenario = None,
-    settings = None, faults = Vec::new(), events = Vec::new(), exchanges = BTreeMap::new(), model = None,
-    orientation = None, learned = None, kinds = None, trace_every = None))]
+    settings = None, faults = Vec::new(), events = Vec::new(), exchanges = BTreeMap::new(), on_trial = false,
+    model = None, orientation = None, learned = None, kinds = None, trace_every = None))]
 pub(crate) fn simulate<'py>(
     py: Python<'py>,
     machine: Bound<'py, Machine>,
@@ -273,8 +280,9 @@ pub(crate) fn simulate<'py>(
     scenario: Option<&str>,
     settings: Option<Bound<'py, PyDict>>,
     faults: Vec<String>,
-    events: Vec<String>,
+    mut events: Vec<String>,
     exchanges: BTreeMap<String, Py<Machine>>,
+    on_trial: bool,
     model: Option<&str>,
     orientation: Option<bool>,
     learned: Option<PathBuf>,
@@ -291,6 +299,9 @@ pub(crate) fn simulate<'py>(
     replaced.extend(seed.map(|value| ("seed".to_owned(), Value::Whole(value))));
     replaced.extend(temperature_c.map(|value| ("temperature_c".to_owned(), Value::Number(value))));
     replaced.extend(origin_mm.map(|value| ("origin_mm".to_owned(), Value::Numbers(value.to_vec()))));
+    if on_trial {
+        events.insert(0, "on:trial@0s".to_owned());
+    }
     let model = crate::machine::model_of(model)?;
     if trace_every == Some(0) {
         return Err(Error::new_err("trace_every: found 0, needed at least 1"));

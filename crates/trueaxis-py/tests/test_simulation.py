@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -43,6 +44,20 @@ def short():
     return trueaxis.Program.from_text(SHORT, name="short")
 
 
+def adapting(folder, share):
+    """The mill with 60 % of the Coulomb friction stated, and friction of X and Y that adapts by that share at most."""
+    own = folder / f"mill-{share}"
+    shutil.copytree(TABLES / "mill-3axis", own)
+    text = (own / "machine.toml").read_text()
+    for axis, level in (("X", 0.27), ("Y", 0.312)):
+        head = f"[axis.{axis}.friction]\n"
+        start = text.index(head) + len(head)
+        end = text.index("\n", start)
+        text = f"{text[:start]}coulomb_mm_per_s = {level}\nadapt = {share}{text[end:]}"
+    (own / "machine.toml").write_text(text)
+    return trueaxis.Machine.load(own)
+
+
 CASES = [
     ("mill-3axis", "pocket-3d", {"seed": 7, "rate_hz": 1000.0}, ["--seed", 7, "--rate-hz", 1000]),
     (
@@ -58,6 +73,12 @@ CASES = [
         },
         ["--rate-hz", 2000, "--temperature-c", 24.5, "--model", "volumetric", "--fault", "dropout:X@0.25s+3",
          "--event", "off:friction@0.4s", "--dead-time-ms", 1, "--set", "axis.Y.lost_motion_mm=0.002"],
+    ),
+    (
+        "mill-3axis",
+        "pocket-3d",
+        {"rate_hz": 2000.0, "on_trial": True, "events": ["off:trial@3s"]},
+        ["--rate-hz", 2000, "--event", "on:trial@0s", "--event", "off:trial@3s"],
     ),
     ("mill-5axis", "cone-5axis", {"rate_hz": 500.0, "orientation": True}, ["--rate-hz", 500, "--orientation"]),
 ]
@@ -102,6 +123,29 @@ def test_seeds_differ_and_machines_may_be_chosen():
     assert chosen == {kind: all_of_them[kind] for kind in ("compensated", "servo_only")}
     other = trueaxis.simulate(machine, program, rate_hz=1000.0, seed=2, kinds=["compensated"])["digest"]
     assert other["compensated"] != chosen["compensated"]
+
+
+def test_parts_on_trial_and_friction_that_adapts(tmp_path):
+    machine = adapting(tmp_path, 0.5)
+    turns = trueaxis.Program.from_text("G21 G90 F1500\n" + 4 * "G2 I10\n", name="turns")
+    run = lambda machine, **asked: trueaxis.simulate(machine, turns, rate_hz=1000.0, kinds=["full"], trace_every=1, **asked)
+    plain, trial = run(machine), run(machine, on_trial=True)
+    assert trial["digest"] != plain["digest"]
+    # On trial nothing acts before it has shown that it helps.
+    first = [found["trace"]["full"]["feed_forward_x_um"][:30] for found in (plain, trial)]
+    assert np.abs(first[0]).max() > 0.01 and not first[1].any()
+    # The stated friction is 40 % too low, and is followed.
+    factors = plain["friction_factors"]["full"]
+    assert list(factors) == ["X", "Y"] and all(factors[axis]["coulomb"] > 1.1 for axis in factors)
+    trace = plain["trace"]["full"]
+    assert trace["friction_factor_x"][0] == 1.0 and trace["friction_factor_x"][-1] == factors["X"]["coulomb"]
+    assert "friction_factor_z" not in trace
+    held = run(machine, events=["off:adapt@4s", "reset:adapt@6s", "on:adapt@7s"])["trace"]["full"]["friction_factor_x"]
+    assert held[4000] > 1.04 and (held[4000:6000] == held[4000]).all() and (held[6000:7000] == 1.0).all() and held[-1] > 1.0
+    frozen, none = run(machine, events=["off:adapt@0s"]), run(adapting(tmp_path, 0.0))
+    assert frozen["friction_factors"]["full"]["X"] == {"coulomb": 1.0, "presliding": 1.0}
+    assert "friction_factors" not in none
+    assert np.array_equal(frozen["trace"]["full"]["drive_x_mm"], none["trace"]["full"]["drive_x_mm"])
 
 
 def test_tables_are_exchanged_for_those_of_another_machine(tmp_path):

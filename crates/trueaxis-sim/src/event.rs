@@ -5,6 +5,9 @@
 //! | `off:correction@2.5s` | from 2.5 s on the plugin is disabled: its correction goes back to zero |
 //! | `on:correction@3s` | it is enabled again |
 //! | `off:friction@3s` | the same for a part of the dynamic correction: `friction`, `lag`, `acceleration`, `feedback`, `crosstalk`, `learned` or `take-up` |
+//! | `on:trial@3s` | from 3 s on, friction, lag and acceleration are on trial ([`Dynamics::ON_TRIAL`]); off at the start |
+//! | `off:adapt@3s` | the friction that adapts is frozen, with `on:adapt` it adapts again |
+//! | `reset:adapt@3s` | the friction that adapts returns to the identified figures, and faults 12 and 13 are forgotten |
 //! | `exchange:FOLDER@2s` | its tables are exchanged for those of the machine in that folder |
 //!
 //! An event acts before the first cycle at or after its time; events in one cycle act in the order in which they are listed.
@@ -37,12 +40,14 @@ pub struct EventSpecError {
 pub enum Switch {
     /// The plugin.
     Correction,
-    /// One part of the plugin's dynamic correction.
+    /// One part of the plugin's dynamic correction, or the trial of its parts.
     Part(Dynamics),
+    /// The adaptation of friction.
+    Adaptation,
 }
 
 /// Names of the targets.
-const SWITCHES: [(&str, Switch); 8] = [
+const SWITCHES: [(&str, Switch); 10] = [
     ("correction", Switch::Correction),
     ("friction", Switch::Part(Dynamics::FRICTION)),
     ("lag", Switch::Part(Dynamics::LAG)),
@@ -51,12 +56,15 @@ const SWITCHES: [(&str, Switch); 8] = [
     ("crosstalk", Switch::Part(Dynamics::CROSSTALK)),
     ("learned", Switch::Part(Dynamics::LEARNED)),
     ("take-up", Switch::Part(Dynamics::TAKE_UP)),
+    ("trial", Switch::Part(Dynamics::ON_TRIAL)),
+    (ADAPT, Switch::Adaptation),
 ];
+const ADAPT: &str = "adapt";
 
 impl Switch {
     /// All targets.
-    pub const ALL: [Switch; 8] = {
-        let mut all = [Switch::Correction; 8];
+    pub const ALL: [Switch; 10] = {
+        let mut all = [Switch::Correction; 10];
         let mut i = 0;
         while i < all.len() {
             all[i] = SWITCHES[i].1;
@@ -78,6 +86,8 @@ pub enum EventKind {
     On(Switch),
     /// Switches something off.
     Off(Switch),
+    /// Returns the friction that adapts to the identified figures.
+    ResetAdaptation,
     /// Exchanges the tables for those of the machine of this name: its folder, for a scenario in a file.
     Exchange(String),
 }
@@ -105,15 +115,19 @@ impl FromStr for Event {
         let switch = || {
             let found = SWITCHES.iter().find(|(name, _)| *name == of).map(|(_, switch)| *switch);
             found.ok_or_else(|| {
-                wrong(of, "correction, friction, lag, acceleration, feedback, crosstalk, learned or take-up")
+                let needed =
+                    "correction, friction, lag, acceleration, feedback, crosstalk, learned, take-up, trial or adapt";
+                wrong(of, needed)
             })
         };
         let kind = match name.trim() {
             "on" => EventKind::On(switch()?),
             "off" => EventKind::Off(switch()?),
+            "reset" if of != ADAPT => return Err(wrong(of, "adapt")),
+            "reset" => EventKind::ResetAdaptation,
             "exchange" if of.is_empty() => return Err(wrong(what, "a machine's folder after exchange:")),
             "exchange" => EventKind::Exchange(of.to_owned()),
-            other => return Err(wrong(other, "on, off or exchange")),
+            other => return Err(wrong(other, "on, off, reset or exchange")),
         };
         Ok(Event { kind, at_s })
     }
@@ -125,6 +139,7 @@ impl fmt::Display for Event {
         match &self.kind {
             EventKind::On(switch) => write!(f, "on:{}@{}s", switch.name(), self.at_s),
             EventKind::Off(switch) => write!(f, "off:{}@{}s", switch.name(), self.at_s),
+            EventKind::ResetAdaptation => write!(f, "reset:{ADAPT}@{}s", self.at_s),
             EventKind::Exchange(folder) => write!(f, "exchange:{folder}@{}s", self.at_s),
         }
     }
@@ -138,7 +153,7 @@ impl EventScript {
     pub fn exchanges(&self) -> impl Iterator<Item = &str> {
         self.items.iter().filter_map(|event| match &event.kind {
             EventKind::Exchange(name) => Some(name.as_str()),
-            EventKind::On(_) | EventKind::Off(_) => None,
+            EventKind::On(_) | EventKind::Off(_) | EventKind::ResetAdaptation => None,
         })
     }
 }
@@ -169,7 +184,7 @@ impl FromStr for Act {
     fn from_str(spec: &str) -> Result<Act, ActSpecError> {
         let name = spec.split(':').next().unwrap_or("").trim();
         Ok(match name {
-            "on" | "off" | "exchange" => Act::Event(spec.parse()?),
+            "on" | "off" | "reset" | "exchange" => Act::Event(spec.parse()?),
             _ => Act::Fault(spec.parse()?),
         })
     }
@@ -190,7 +205,14 @@ mod tests {
 
     #[test]
     fn every_kind_is_read_and_written_back() {
-        let specs = ["off:correction@2.5s", "on:correction@3s", "exchange:a@b/mine@0.1s", "off:take-up@0s"];
+        let specs = [
+            "off:correction@2.5s",
+            "on:correction@3s",
+            "exchange:a@b/mine@0.1s",
+            "off:take-up@0s",
+            "on:trial@0s",
+            "reset:adapt@1s",
+        ];
         let script = EventScript::parse(specs).unwrap();
         assert_eq!(Vec::from(script.clone()), specs);
         assert_eq!(script.items[0], Event { kind: EventKind::Off(Switch::Correction), at_s: 2.5 });
@@ -212,7 +234,8 @@ mod tests {
             ("off@1s", "off", "EVENT:WHAT, such as off:correction"),
             ("off:brakes@1s", "brakes", "correction, friction"),
             ("exchange:@1s", "exchange:", "a machine's folder"),
-            ("swap:mine@1s", "swap", "on, off or exchange"),
+            ("reset:friction@1s", "friction", "adapt"),
+            ("swap:mine@1s", "swap", "on, off, reset or exchange"),
         ] {
             let error = spec.parse::<Event>().unwrap_err();
             assert_eq!(error.found, format!("\"{found}\""), "{spec}");

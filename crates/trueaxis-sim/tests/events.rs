@@ -78,6 +78,10 @@ fn every_act_does_by_hand_what_it_does_in_a_scenario() {
         (&["off:acceleration@NOW"], full),
         (&["off:feedback@NOW"], full),
         (&["off:take-up@NOW"], full),
+        (&["on:trial@NOW"], full),
+        (&["on:trial@NOW", "off:trial@0.9s"], full),
+        // The friction of the machine does not adapt.
+        (&["off:adapt@NOW", "reset:adapt@0.9s", "on:adapt@0.95s"], [false; 5]),
         // The machine has neither, but with every switch the feed-forward of the other parts restarts.
         (&["off:crosstalk@NOW", "off:learned@NOW"], full),
         (&["exchange:warm@NOW"], driven),
@@ -86,7 +90,8 @@ fn every_act_does_by_hand_what_it_does_in_a_scenario() {
         (&["jump-command:X@0.75s+1=3mm", "off:correction@NOW"], [true, true, false, true, true]),
     ] {
         let (hand, texts) = by_hand(acts);
-        let is_event = |text: &&String| text.starts_with("o") || text.starts_with("exchange");
+        let is_event =
+            |text: &&String| ["on:", "off:", "reset:", "exchange:"].iter().any(|name| text.starts_with(name));
         let (events, faults): (Vec<String>, Vec<String>) = texts.iter().cloned().partition(|text| is_event(&text));
         let again = finish(Run::of(scenario(&faults, &events), &KINDS).unwrap());
         assert_eq!(hand, again, "{acts:?}");
@@ -114,6 +119,68 @@ fn events_act_from_their_cycle_on() {
     assert!(without[899].iter().any(|c| c.abs() > 1.0));
     let last = with.len() - 1;
     assert_eq!(with[last], without[last]);
+}
+
+/// A run on the machine whose friction adapts.
+struct Turns {
+    tallies: Tallies,
+    /// Factors on the friction of X and Y, of every cycle.
+    factors: Vec<[[f32; 2]; 2]>,
+    /// Positions sent, of every cycle, as bits.
+    drives: Vec<[u64; 6]>,
+}
+
+impl Turns {
+    /// Four turns with these events, on the machine whose stated Coulomb friction is 40 % lower and adapts by the share `adapt`.
+    fn run(adapt: f64, events: &[&str]) -> Turns {
+        let mut own = machine();
+        for axis in &mut own.settings.axes {
+            let friction = axis.servo.friction.as_mut().unwrap();
+            (friction.coulomb_per_s, friction.adapt) = (0.6 * friction.coulomb_per_s, adapt);
+        }
+        let mut settings = Settings { rate_hz: 1000.0, seed: 3, ..Settings::default() };
+        settings.set("events", &format!("{events:?}")).unwrap();
+        let text = "G21 G90 F1500\nG2 I10\nG2 I10\nG2 I10\nG2 I10\n";
+        let program = Program::parse("turns", text, "turns.ngc").unwrap();
+        let mut run = Run::of(Scenario::new(own, program, settings).unwrap(), &[Kind::Full]).unwrap();
+        let (mut factors, mut drives) = (Vec::new(), Vec::new());
+        let mut sink = |_: &Moment, machines: &[Option<&Sample>]| {
+            factors.extend(machines.iter().flatten().map(|sample| [sample.friction[0], sample.friction[1]]));
+            drives.extend(machines.iter().flatten().map(|sample| sample.drive.map(f64::to_bits)));
+        };
+        while run.advance(u64::MAX, &mut sink) {}
+        Turns { tallies: run.tallies().remove(0), factors, drives }
+    }
+
+    /// Factors on the Coulomb friction of X and Y.
+    fn levels(&self, cycles: std::ops::Range<usize>) -> impl Iterator<Item = [f32; 2]> {
+        self.factors[cycles].iter().map(|factors| factors.map(|[level, _]| level))
+    }
+
+    fn last(&self) -> [f32; 2] {
+        self.factors.last().unwrap().map(|[level, _]| level)
+    }
+}
+
+#[test]
+fn adapting_friction_is_frozen_and_reset() {
+    let plain = Turns::run(0.0, &[]);
+    assert!(plain.factors.iter().all(|factors| *factors == [[0.0; 2]; 2]));
+    let adapted = Turns::run(0.5, &[]);
+    assert!(adapted.last().iter().all(|level| *level > 1.1), "{:?}", adapted.last());
+    assert_eq!(adapted.tallies.friction[..2], adapted.factors.last().unwrap()[..]);
+    assert!(adapted.drives != plain.drives);
+    // Frozen from the start: the friction as identified, in every bit of what is sent.
+    let frozen = Turns::run(0.5, &["off:adapt@0s"]);
+    assert!(frozen.factors.iter().all(|factors| *factors == [[1.0; 2]; 2]));
+    assert!(frozen.drives == plain.drives);
+    // Frozen in motion, then reset, then free again.
+    let switched = Turns::run(0.5, &["off:adapt@4s", "reset:adapt@6s", "on:adapt@7s"]);
+    let held = switched.levels(3_999..4_000).next().unwrap();
+    assert!(held.iter().all(|level| *level > 1.04), "{held:?}");
+    assert!(switched.levels(4_000..6_000).all(|levels| levels == held));
+    assert!(switched.levels(6_000..7_000).all(|levels| levels == [1.0; 2]));
+    assert!(switched.last().iter().all(|level| *level > 1.04), "{:?}", switched.last());
 }
 
 #[test]

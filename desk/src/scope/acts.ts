@@ -32,7 +32,10 @@ const SWITCHES: readonly (readonly [string, string])[] = [
   ["feedback", "Contour feedback"],
   ["take-up", "Take-up"],
   ["crosstalk", "Cross-talk"],
+  ["trial", "On trial"],
 ];
+/** Whether a switch is on before the first act on it. */
+const isOnAtFirst = (name: string): boolean => name !== "trial";
 
 export interface ActsHost {
   /** Injects a fault or switches a part; `what` and `after` are the specification before and after the time. */
@@ -70,7 +73,7 @@ export class Acts {
     this.source = choice("Tables of", [["half", "this machine, all errors halved"], ["edited", "the machine view as it is now"]], "half", () => {});
     const exchange = button("Exchange", () => this.host.exchange(this.source.value, this.at()));
     const switches = SWITCHES.map(([name, text]) => {
-      const one = button(text, () => this.host.act(`${one.getAttribute("aria-pressed") === "true" ? "off" : "on"}:${name}`, "", this.at()), { "aria-pressed": "true" });
+      const one = button(text, () => this.host.act(`${one.getAttribute("aria-pressed") === "true" ? "off" : "on"}:${name}`, "", this.at()), { "aria-pressed": String(isOnAtFirst(name)) });
       this.switches.set(name, one);
       return one;
     });
@@ -102,7 +105,7 @@ export class Acts {
     const timed = acts.map((act) => ({ act, at: time(act) })).sort((one, other) => one.at - other.at);
     for (const [name, pressed] of this.switches) {
       const last = timed.filter(({ act, at }) => at <= now_s && new RegExp(`^(on|off):${name}@`).test(act)).at(-1);
-      pressed.setAttribute("aria-pressed", String(!last?.act.startsWith("off")));
+      pressed.setAttribute("aria-pressed", String(last ? !last.act.startsWith("off") : isOnAtFirst(name)));
     }
     const key = JSON.stringify([acts, timed.map(({ at }) => at <= now_s)]);
     if (this.list.dataset.key === key) return;

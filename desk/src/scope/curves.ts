@@ -13,6 +13,8 @@ const STATUS: readonly (readonly [bit: number, name: string])[] = [
   [2, "frozen"],
   [4, "stop"],
   [32, "feedback out"],
+  [64, "friction out"],
+  [128, "lag out"],
 ];
 
 /** Corrections that can be shown: columns of the rows up to the axis. */

@@ -30,7 +30,7 @@ export const FIRST: Setup = {
 
 /** Whether an act concerns the plugin, not a fault of the plant. */
 export function isEvent(act: string): boolean {
-  return /^\s*(on|off|exchange)\b/.test(act);
+  return /^\s*(on|off|reset|exchange)\b/.test(act);
 }
 
 /** Source of the tables of `exchange:NAME@TIMEs`. */

@@ -79,6 +79,8 @@ struct joint_pins {
     hal_real_t pos_cmd, motor_cmd_in, motor_cmd_out, motor_fb_in, motor_fb_out, correction;
     /* The dynamic part of the correction, and its components. */
     hal_real_t dynamic, feed_forward, contour_feedback, crosstalk, learned;
+    /* Factors in use on the identified friction; 1 where it does not adapt. */
+    hal_real_t friction_factor, presliding_factor;
     hal_bool_t homed, alarm;
 };
 
@@ -119,7 +121,9 @@ struct thermal_pins {
 struct pins {
     hal_bool_t enable, motion_enabled, reset, reload;
     hal_bool_t enable_part[DYNAMIC_PARTS];
-    hal_bool_t active, frozen, limited, at_edge, fault, stop_request, no_output, feedback_out;
+    hal_bool_t on_trial, adapt_freeze, adapt_reset;
+    hal_bool_t active, frozen, limited, at_edge, fault, stop_request, no_output;
+    hal_bool_t feedback_out, friction_out, lag_out;
     hal_bool_t tables_ok, reload_busy, reload_failed;
     hal_uint_t fault_code, reload_code, reloads, sequence, machine_id, tables_crc;
     hal_sint_t fault_axis;
@@ -196,7 +200,7 @@ struct servo {
     bool growth_told; /* growth has been passed to the tables in force */
     /* Inputs of the last cycle, for edge detection. */
     struct {
-        bool homed, reload, reset, index, new_part;
+        bool homed, reload, reset, index, new_part, adapt_freeze, adapt_reset;
     } last;
 };
 
@@ -250,7 +254,7 @@ int tables_errno(uint32_t refused);
 int pins_export(struct instance *instance, int component);
 /* Shows the limits of the tables in force. */
 void pins_limits(struct instance *instance, const struct tables *tables);
-/* TRUEAXIS_DYNAMICS_... bits of the parts that are switched off. */
+/* TRUEAXIS_DYNAMICS_... bits of the parts that are switched off, and of the trial if that is on. */
 uint8_t pins_parts_off(const struct pins *pins);
 /* Whether the limits of the tables are within the largest values that the integrator accepts. */
 bool pins_limits_accepted(const struct instance *instance, const struct tables *tables);
@@ -263,6 +267,8 @@ void reload_stop(void);
 void steps_start(struct instance *instance, uint32_t period_ns);
 void steps_take_tables(struct instance *instance);
 void steps_temperature(struct instance *instance);
+/* Freezes the friction that adapts, frees it, or returns it to the identified figures. */
+void steps_adaptation(struct instance *instance);
 /* Collects command and readings of the axes. */
 void steps_gather(const struct instance *instance, trueaxis_input_t *input);
 /* Runs all steps and updates `phase`. Returns false if the library refused. */
@@ -279,6 +285,8 @@ void thermal_update(struct instance *instance, uint32_t period_ns);
 /* show.c: writes the output of a cycle to pins. */
 void show_cycle(const struct instance *instance, const trueaxis_input_t *input, const trueaxis_output_t *axes,
                 const trueaxis_output_t joints[MAX_JOINT_TABLES]);
+/* Writes the factors on the friction of the joints to pins. */
+void show_friction(struct instance *instance);
 
 /* cycle.c: the functions of the servo thread; `arg` is an instance. */
 void cycle_update_feedback(void *arg, long period);

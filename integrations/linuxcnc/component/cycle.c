@@ -177,6 +177,7 @@ void cycle_update_output(void *arg, long period)
     input.enable = hal_get_bool(pins->enable) && hal_get_bool(pins->motion_enabled) && permitted;
     input.reset = hal_get_bool(pins->reset);
     input.dynamics_off = pins_parts_off(pins);
+    steps_adaptation(instance);
     steps_gather(instance, &input);
 
     trueaxis_output_t axes = {.size = sizeof axes};
@@ -190,4 +191,5 @@ void cycle_update_output(void *arg, long period)
         follow_readings(instance);
     drive(instance, &axes, joints);
     show_cycle(instance, &input, &axes, joints);
+    show_friction(instance);
 }

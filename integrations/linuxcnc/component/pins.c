@@ -38,7 +38,7 @@ static const struct {
 
 uint8_t pins_parts_off(const struct pins *pins)
 {
-    uint8_t off = 0;
+    uint8_t off = hal_get_bool(pins->on_trial) ? TRUEAXIS_DYNAMICS_ON_TRIAL : 0;
     for (int k = 0; k < DYNAMIC_PARTS; k++)
         if (!hal_get_bool(pins->enable_part[k]))
             off |= parts[k].bit;
@@ -51,6 +51,9 @@ static int whole(struct pins *p, int id, const char *name)
     /* Every part of the dynamic correction, and motion, is on unless its pin is connected. */
     for (int k = 0; k < DYNAMIC_PARTS; k++)
         TRY(hal_pin_new_bool(id, HAL_IN, &p->enable_part[k], true, "%s.enable-%s", name, parts[k].name));
+    TRY(hal_pin_new_bool(id, HAL_IN, &p->on_trial, false, "%s.on-trial", name));
+    TRY(hal_pin_new_bool(id, HAL_IN, &p->adapt_freeze, false, "%s.adapt-freeze", name));
+    TRY(hal_pin_new_bool(id, HAL_IN, &p->adapt_reset, false, "%s.adapt-reset", name));
     TRY(hal_pin_new_bool(id, HAL_IN, &p->motion_enabled, true, "%s.motion-enabled", name));
     TRY(hal_pin_new_bool(id, HAL_IN, &p->reset, false, "%s.reset", name));
     TRY(hal_pin_new_bool(id, HAL_IN, &p->reload, false, "%s.reload", name));
@@ -64,6 +67,8 @@ static int whole(struct pins *p, int id, const char *name)
     TRY(hal_pin_new_bool(id, HAL_OUT, &p->stop_request, false, "%s.stop-request", name));
     TRY(hal_pin_new_bool(id, HAL_OUT, &p->no_output, false, "%s.no-output", name));
     TRY(hal_pin_new_bool(id, HAL_OUT, &p->feedback_out, false, "%s.feedback-out", name));
+    TRY(hal_pin_new_bool(id, HAL_OUT, &p->friction_out, false, "%s.friction-out", name));
+    TRY(hal_pin_new_bool(id, HAL_OUT, &p->lag_out, false, "%s.lag-out", name));
     TRY(hal_pin_new_bool(id, HAL_OUT, &p->tables_ok, true, "%s.tables-ok", name));
     TRY(hal_pin_new_bool(id, HAL_OUT, &p->reload_busy, false, "%s.reload-busy", name));
     TRY(hal_pin_new_bool(id, HAL_OUT, &p->reload_failed, false, "%s.reload-failed", name));
@@ -98,6 +103,8 @@ static int joint(struct joint_pins *p, int id, const char *name, int j)
     TRY(hal_pin_new_real(id, HAL_OUT, &p->contour_feedback, 0.0, "%s.joint.%d.contour-feedback", name, j));
     TRY(hal_pin_new_real(id, HAL_OUT, &p->crosstalk, 0.0, "%s.joint.%d.crosstalk", name, j));
     TRY(hal_pin_new_real(id, HAL_OUT, &p->learned, 0.0, "%s.joint.%d.learned", name, j));
+    TRY(hal_pin_new_real(id, HAL_OUT, &p->friction_factor, 1.0, "%s.joint.%d.friction-factor", name, j));
+    TRY(hal_pin_new_real(id, HAL_OUT, &p->presliding_factor, 1.0, "%s.joint.%d.presliding-factor", name, j));
     TRY(hal_pin_new_bool(id, HAL_IN, &p->homed, false, "%s.joint.%d.homed", name, j));
     TRY(hal_pin_new_bool(id, HAL_IN, &p->alarm, false, "%s.joint.%d.alarm", name, j));
     return 0;

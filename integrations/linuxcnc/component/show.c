@@ -57,10 +57,32 @@ void show_cycle(const struct instance *instance, const trueaxis_input_t *input, 
     hal_set_si32(pins->fault_axis, fault != TRUEAXIS_FAULT_NONE ? fault_axis : -1);
     hal_set_bool(pins->stop_request, instance->servo.phase != PHASE_RUNNING);
     hal_set_bool(pins->feedback_out, (record->status & TRUEAXIS_STATUS_FEEDBACK_OUT) != 0);
+    hal_set_bool(pins->friction_out, (record->status & TRUEAXIS_STATUS_FRICTION_OUT) != 0);
+    hal_set_bool(pins->lag_out, (record->status & TRUEAXIS_STATUS_LAG_OUT) != 0);
     hal_set_bool(pins->no_output, instance->servo.phase == PHASE_BLIND);
     hal_set_ui32(pins->sequence, record->sequence);
     hal_set_ui32(pins->machine_id, record->machine_id);
     hal_set_ui32(pins->tables_crc, record->tables_crc);
     show_contour(&pins->tip, &record->tip, setup->mm_per_unit[0]);
     show_contour(&pins->encoder, &record->encoder, setup->mm_per_unit[0]);
+}
+
+void show_friction(struct instance *instance)
+{
+    const struct setup *setup = &instance->setup;
+    struct servo *servo = &instance->servo;
+    const struct tables *tables = servo->tables;
+    for (int j = 0; j < setup->joints; j++) {
+        int t = setup->table_of_joint[j];
+        double level = 1.0, presliding = 1.0;
+        /* The joint's own friction if that adapts, else that of its axis. */
+        int result = t < 0 ? TRUEAXIS_ERROR_ARGUMENT
+                           : trueaxis_friction_factors(&tables->joint[t], &servo->joint_state[t],
+                                                       (uint32_t)tables->joint_slot[t], &level, &presliding);
+        if (result != TRUEAXIS_OK)
+            trueaxis_friction_factors(&tables->axes, &servo->axes_state, (uint32_t)setup->axis_of_joint[j], &level,
+                                      &presliding);
+        hal_set_real(instance->pins->joint[j].friction_factor, level);
+        hal_set_real(instance->pins->joint[j].presliding_factor, presliding);
+    }
 }

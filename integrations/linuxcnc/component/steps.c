@@ -28,6 +28,8 @@ void steps_start(struct instance *instance, uint32_t period_ns)
     trueaxis_command_window_restart(&servo->window);
     servo->growth_told = false;
     memset(&servo->stopped, 0, sizeof servo->stopped);
+    /* A state that starts is not frozen. */
+    servo->last.adapt_freeze = false;
     servo->phase = result == TRUEAXIS_OK ? PHASE_RUNNING : PHASE_REFUSED;
     for (int j = 0; j < instance->setup.joints; j++) {
         struct joint *joint = &servo->joint[j];
@@ -52,6 +54,25 @@ void steps_temperature(struct instance *instance)
         }
     }
     servo->growth_told = true;
+}
+
+void steps_adaptation(struct instance *instance)
+{
+    struct servo *servo = &instance->servo;
+    const struct tables *tables = servo->tables;
+    bool freeze = hal_get_bool(instance->pins->adapt_freeze), reset = hal_get_bool(instance->pins->adapt_reset);
+    if (freeze != servo->last.adapt_freeze) {
+        trueaxis_friction_freeze(&tables->axes, &servo->axes_state, freeze);
+        for (int t = 0; t < instance->setup.joint_tables; t++)
+            trueaxis_friction_freeze(&tables->joint[t], &servo->joint_state[t], freeze);
+    }
+    if (reset && !servo->last.adapt_reset) {
+        trueaxis_friction_reset(&tables->axes, &servo->axes_state);
+        for (int t = 0; t < instance->setup.joint_tables; t++)
+            trueaxis_friction_reset(&tables->joint[t], &servo->joint_state[t]);
+    }
+    servo->last.adapt_freeze = freeze;
+    servo->last.adapt_reset = reset;
 }
 
 /* Collects command and readings. The commanded position of an axis is that of its first joint. A motor command that is not
@@ -100,6 +121,8 @@ static int step_joint(struct instance *instance, int t, const trueaxis_input_t *
     input.command[slot] = isfinite(hal_get_real(p->motor_cmd_in)) && !stopped_elsewhere ? hal_get_real(p->pos_cmd) * unit : NAN;
     input.feedback[slot] = (joint->reading - joint->offset - (joint->sent - joint->own)) * unit;
     input.encoder_alarm = hal_get_bool(p->alarm) ? (uint8_t)(1u << slot) : 0;
+    /* This step measures no contour error, so nothing could show that a part helps. */
+    input.dynamics_off &= (uint8_t)~TRUEAXIS_DYNAMICS_ON_TRIAL;
     return trueaxis_step(&servo->tables->joint[t], &servo->joint_state[t], &input, NULL, NULL, output);
 }
 

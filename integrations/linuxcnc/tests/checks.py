@@ -1,4 +1,5 @@
 """Lists all tests by name."""
+import check_adaptation
 import check_calibration
 import check_cost
 import check_dynamics
@@ -16,6 +17,7 @@ MODULES = (
     check_units,
     check_calibration,
     check_dynamics,
+    check_adaptation,
     check_faults,
     check_machines,
     check_friction,

@@ -138,6 +138,89 @@ def dynamics(pilot):
     break_off(pilot, marks)
 
 
+def circling(pilot, pins, seconds):
+    """Begins to record, goes to the circles and turns on them; returns marks, and a function that adds one."""
+    pilot.record(pins + ["ta.fault-code", "ta.fault-axis", "ta.stop-request", "ta.sequence"])
+    pilot.on()
+    pilot.home()
+    pilot.mdi("G0 X20 Y0 Z-20")
+    pilot.start("circles.ngc")
+    time.sleep(seconds)
+    marks = {}
+
+    def mark(name):
+        pilot.poll()
+        marks[name] = hal.get_value("ta.sequence")
+
+    return marks, mark
+
+
+def adaptation(pilot):
+    """Friction that adapts: the drives' friction rises, falls while it is frozen, and gets the wrong sign."""
+    pins = joints(3, "ta.joint.%d.friction-factor", "ta.joint.%d.presliding-factor")
+    marks, mark = circling(pilot, pins, 0.5)
+
+    def drives(coulomb):
+        for j in range(2):
+            hal.set_p("dahl.%d.coulomb" % j, str(coulomb))
+
+    def levels():
+        return [hal.get_value("ta.joint.%d.friction-factor" % j) for j in range(2)]
+
+    drives(0.65)
+    pilot.wait(lambda: min(levels()) > 1.2, "adaptation", 30)
+    hal.set_p("ta.adapt-freeze", "1")
+    time.sleep(0.1)
+    mark("frozen")
+    drives(0.4)
+    time.sleep(4)
+    mark("free")
+    hal.set_p("ta.adapt-freeze", "0")
+    pilot.wait(lambda: max(levels()) < 1.0, "adaptation downwards", 30)
+    mark("reset")
+    hal.set_p("ta.adapt-reset", "1")
+    time.sleep(0.2)
+    hal.set_p("ta.adapt-reset", "0")
+    drives(0.5)
+    time.sleep(3)
+    mark("reversed")
+    hal.set_p("dahl.0.coulomb", "-0.4")
+    pilot.wait(lambda: hal.get_value("ta.fault-code") != 0, "fault", 30)
+    time.sleep(1)
+    hal.set_p("dahl.0.coulomb", "0.5")
+    time.sleep(1)
+    hal.set_p("ta.adapt-reset", "1")
+    time.sleep(0.5)
+    break_off(pilot, marks)
+
+
+def on_trial(pilot):
+    """Parts on trial: X does not lag at first, then does as stated, then does not; then neither drive has friction."""
+    pins = ["ta.joint.0.feed-forward", "ta.contour.tip.error", "ta.friction-out", "ta.lag-out"]
+    for j in range(2):
+        hal.set_p("dahl.%d.feed-forward" % j, "1")
+    hal.set_p("ta.on-trial", "1")
+    marks, mark = circling(pilot, pins, 8)
+    # The trial starts again.
+    mark("lag helps")
+    hal.set_p("ta.on-trial", "0")
+    hal.set_p("dahl.0.feed-forward", "0.93")
+    time.sleep(0.1)
+    hal.set_p("ta.on-trial", "1")
+    time.sleep(8)
+    mark("lag harms")
+    hal.set_p("dahl.0.feed-forward", "1")
+    time.sleep(8)
+    mark("friction harms")
+    for j in range(2):
+        hal.set_p("dahl.%d.coulomb" % j, "0")
+    time.sleep(8)
+    mark("full")
+    hal.set_p("ta.on-trial", "0")
+    time.sleep(6)
+    break_off(pilot, marks)
+
+
 FAULTS = ["ta.joint.0.pos-cmd", "ta.active", "ta.frozen", "ta.fault-code", "ta.fault-axis", "ta.stop-request"]
 
 
@@ -350,4 +433,4 @@ def friction(pilot):
     subprocess.run(words, check=True, timeout=140 * rig.PATIENCE)
 
 
-ALL = {name: value for name, value in globals().items() if callable(value) and name != "joints"}
+ALL = {name: value for name, value in globals().items() if callable(value) and name not in ("joints", "circling")}

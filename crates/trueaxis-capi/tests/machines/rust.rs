@@ -44,7 +44,7 @@ pub(crate) fn core_input<const N: usize>(c: &Input) -> trueaxis::Input<P, N> {
     }
     (input.homed, input.enable, input.reset) = (c.homed != 0, c.enable != 0, c.reset != 0);
     input.encoder_alarm = c.encoder_alarm;
-    input.dynamics = Dynamics(127 & !c.dynamics_off);
+    input.dynamics = Dynamics((127 & !c.dynamics_off) | (128 & c.dynamics_off));
     input.learned = c.learned.map(from_c);
     input
 }

@@ -48,7 +48,7 @@ pub(super) struct Measured {
 
 /// State of one machine and of the plugin that drives it.
 pub(super) struct Cell<const N: usize> {
-    state: State<f64, f64, N>,
+    pub(super) state: State<f64, f64, N>,
     plant: Plant,
     /// Index in the step's order for each of the machine's axes.
     order: Vec<Option<usize>>,
@@ -125,7 +125,13 @@ where
             Switch::Correction => self.enabled = on && self.kind.enables_the_plugin(),
             Switch::Part(part) if on => self.dynamics = Dynamics(self.dynamics.0 | part.0),
             Switch::Part(part) => self.dynamics = self.dynamics.without(part),
+            Switch::Adaptation => self.state.freeze_friction(!on),
         }
+    }
+
+    /// Returns the friction that adapts to the identified figures.
+    pub(super) fn reset_adaptation(&mut self) {
+        self.state.reset_friction();
     }
 
     /// Injects a fault from now on, on a machine that has faults.
@@ -266,7 +272,9 @@ where
             self.sums.fault(record.fault, axis, &commanded.moment);
         }
         self.sums.withdrawals.add(record.status, &commanded.moment);
-        self.sample(&measured, &stepped)
+        let sample = self.sample(&measured, &stepped, shared.servo);
+        self.sums.friction = sample.friction;
+        sample
     }
 
     /// Adds up how much the magnitude limits cut off, once a correction reaches one.

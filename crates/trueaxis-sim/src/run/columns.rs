@@ -26,7 +26,8 @@ impl Column {
 
 /// The columns for a machine of that kind: time and line; command, drive, reading and correction of X, Y, Z; errors and state;
 /// programmed rotary axes; for a machine with rotary axes, theirs after those, degrees and µrad; for [`Kind::Full`] the
-/// dynamic correction of every axis with its parts, µm and µrad, at the end.
+/// dynamic correction of every axis with its parts, µm and µrad, and after them the factors on the friction of the axes where it
+/// adapts.
 pub fn columns(kind: Kind, machine: &MachineSettings) -> Vec<Column> {
     let mut axes: Vec<Axis> = machine.axes.iter().map(|own| own.axis).collect();
     axes.sort_unstable();
@@ -75,6 +76,17 @@ pub fn columns(kind: Kind, machine: &MachineSettings) -> Vec<Column> {
         let (a, unit) = (axis.letter().to_ascii_lowercase(), if axis.is_rotary() { "urad" } else { "um" });
         for (part, value) in dynamic {
             add(&format!("{part}_{a}_{unit}"), 5, axis.index(), value);
+        }
+    }
+    let factors: [(&str, Value); 2] = [
+        ("friction_factor", |_, s, i| s.friction[i][0].into()),
+        ("presliding_factor", |_, s, i| s.friction[i][1].into()),
+    ];
+    let adapts =
+        |axis: &Axis| machine.axis(*axis).and_then(|own| own.servo.friction).is_some_and(|own| own.adapt > 0.0);
+    for axis in axes.iter().filter(|axis| kind == Kind::Full && adapts(axis)) {
+        for (factor, value) in factors {
+            add(&format!("{factor}_{}", axis.letter().to_ascii_lowercase()), 5, axis.index(), value);
         }
     }
     columns

@@ -5,6 +5,8 @@ use super::tally::{AngleSize, ErrorSize, Tallies};
 use crate::scenario::Scenario;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
+use std::collections::BTreeMap;
+use trueaxis::Axis;
 
 /// Largest and root mean square.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -58,6 +60,15 @@ pub struct ReportedFault {
     pub cycles: u64,
 }
 
+/// Factors in use on the identified friction of an axis that adapts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FrictionFactors {
+    /// Of Coulomb friction.
+    pub coulomb: f64,
+    /// Of pre-sliding.
+    pub presliding: f64,
+}
+
 /// Figures of a run so far.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figures {
@@ -79,6 +90,9 @@ pub struct Figures {
     pub stopped: bool,
     /// Cycles of that machine in which an axis' correction was limited.
     pub limited_cycles: u64,
+    /// Factors of the axes whose friction adapts, in the last cycle; machines that compensate friction only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_factors: Option<ByKind<BTreeMap<char, FrictionFactors>>>,
     /// Digest of all outputs of the step while the program ran, without settling: two runs with equal digests gave equal bits,
     /// except with a probability of one in 2³². Eight hexadecimal digits.
     pub digest: ByKind<String>,
@@ -94,6 +108,10 @@ impl Figures {
         };
         let driven = machines.iter().filter(|(kind, _)| kind.enables_the_plugin());
         let chief = driven.min_by_key(|(kind, _)| *kind != Kind::Compensated).map(|(_, tallies)| tallies);
+        let factors = |(kind, tallies): &(Kind, Tallies)| {
+            let all = tallies.friction_factors();
+            (!all.is_empty()).then_some((*kind, all))
+        };
         Figures {
             contour_error_um: sizes(&|t| t.error.into()),
             orientation_error_urad: scenario.five_axis.then(|| sizes(&|t| t.orientation.into())),
@@ -102,12 +120,24 @@ impl Figures {
             faults: chief.map(|tallies| tallies.reported_faults(scenario).collect()).unwrap_or_default(),
             stopped: chief.is_some_and(|tallies| tallies.stopped),
             limited_cycles: chief.map_or(0, |tallies| tallies.limited_cycles),
+            friction_factors: Some(ByKind(machines.iter().filter_map(factors).collect()))
+                .filter(|all| !all.0.is_empty()),
             digest: ByKind(machines.iter().map(|(k, t)| (*k, format!("{:08x}", t.digest))).collect()),
         }
     }
 }
 
 impl Tallies {
+    /// Factors of the axes whose friction adapts, in the last cycle.
+    fn friction_factors(&self) -> BTreeMap<char, FrictionFactors> {
+        let adapting = Axis::ALL.into_iter().zip(self.friction).filter(|(_, factors)| *factors != [0.0; 2]);
+        let factors = |[coulomb, presliding]: [f32; 2]| FrictionFactors {
+            coulomb: coulomb.into(),
+            presliding: presliding.into(),
+        };
+        adapting.map(|(axis, own)| (axis.letter(), factors(own))).collect()
+    }
+
     /// The faults with their times.
     pub fn reported_faults<'t>(&'t self, scenario: &'t Scenario) -> impl Iterator<Item = ReportedFault> + 't {
         self.faults.iter().map(|span| ReportedFault {

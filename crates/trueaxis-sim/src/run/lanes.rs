@@ -34,6 +34,7 @@ pub(super) trait Advance {
 /// Effect of an event, ready to be applied.
 enum EventEffect<S, const N: usize> {
     Switch(Switch, bool),
+    ResetAdaptation,
     Exchange(Box<Plugin<S, N>>),
 }
 
@@ -91,6 +92,7 @@ where
         let effect = match &event.kind {
             EventKind::On(switch) => EventEffect::Switch(*switch, true),
             EventKind::Off(switch) => EventEffect::Switch(*switch, false),
+            EventKind::ResetAdaptation => EventEffect::ResetAdaptation,
             EventKind::Exchange(name) => {
                 let machine = named(machines, name)?;
                 let kinds: Vec<Kind> = self.cells.iter().map(Cell::kind).collect();
@@ -109,6 +111,7 @@ where
         for (_, effect) in self.effects.drain(..due) {
             match effect {
                 EventEffect::Switch(what, on) => self.cells.iter_mut().for_each(|cell| cell.switch(what, on)),
+                EventEffect::ResetAdaptation => self.cells.iter_mut().for_each(Cell::reset_adaptation),
                 EventEffect::Exchange(plugin) => {
                     let driven = self.cells.iter_mut().filter(|cell| plugin.servo(cell.kind()).is_some());
                     driven

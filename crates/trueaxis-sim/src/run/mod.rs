@@ -30,7 +30,7 @@ type Driven = (Kind, Option<[DriveSettings; AXES]>);
 
 pub use columns::{Column, columns};
 pub use document::{RunDocument, notes};
-pub use figures::{ByKind, Figures, ReportedFault, Size};
+pub use figures::{ByKind, Figures, FrictionFactors, ReportedFault, Size};
 pub use kind::{Kind, feedback_refused};
 pub use limits::CorrectionLimits;
 pub use sample::{DynamicSample, Given, Moment, Sample, Sink};

@@ -65,6 +65,8 @@ pub struct Sample {
     pub correction: [f32; AXES],
     /// Dynamic correction.
     pub dynamic: DynamicSample,
+    /// Factors in use on the identified Coulomb friction and pre-sliding; 0 for an axis whose friction does not adapt.
+    pub friction: [[f32; 2]; AXES],
     /// Fault code.
     pub fault: u8,
     /// State bits.

@@ -2,10 +2,10 @@
 
 use super::cell::{Cell, Measured, Stepped};
 use super::sample::Sample;
-use trueaxis::Fault;
 use trueaxis::contour::Flags;
 use trueaxis::machine::AXES;
 use trueaxis::telemetry::Record;
+use trueaxis::{Fault, ServoLoop};
 
 impl<const N: usize> Cell<N> {
     /// Contour error of the estimated tip in machine directions, µm.
@@ -26,7 +26,12 @@ impl<const N: usize> Cell<N> {
     }
 
     /// The sample of a cycle, with the true error.
-    pub(super) fn sample(&self, measured: &Measured, stepped: &Stepped<N>) -> Sample {
+    pub(super) fn sample(
+        &self,
+        measured: &Measured,
+        stepped: &Stepped<N>,
+        servo: &ServoLoop<'_, f64, f64, N>,
+    ) -> Sample {
         let Stepped { output, orientation } = stepped;
         let record = &output.record;
         let mut sample = Sample {
@@ -57,6 +62,9 @@ impl<const N: usize> Cell<N> {
                 sample.dynamic.feed_forward[i] = micro(parts.feed_forward[k]);
                 sample.dynamic.feedback[i] = micro(parts.feedback[k]);
                 sample.dynamic.crosstalk[i] = micro(parts.crosstalk[k]);
+            }
+            if let Some(factors) = servo.friction_factors(&self.state, k) {
+                sample.friction[i] = factors.map(|factor| factor as f32);
             }
         }
         sample

@@ -2,6 +2,7 @@
 
 use super::sample::Moment;
 use super::withdrawn::{Withdrawals, Withdrawn};
+use trueaxis::machine::AXES;
 use trueaxis::{Axis, Fault};
 use trueaxis_recording::adversary::Digest;
 use trueaxis_tables::limits::Clipped;
@@ -65,6 +66,8 @@ pub struct Tallies {
     pub stopped: bool,
     /// Parts of the dynamic correction that the step's watch withdrew.
     pub withdrawn: Vec<Withdrawn>,
+    /// The last [`super::Sample::friction`].
+    pub friction: [[f32; 2]; AXES],
     /// Digest of every output of the step since the program began ([`Digest`]).
     pub digest: u32,
 }
@@ -116,6 +119,7 @@ pub(super) struct Sums {
     pub(super) stopped: bool,
     pub(super) digest: Digest,
     pub(super) withdrawals: Withdrawals,
+    pub(super) friction: [[f32; 2]; AXES],
     faults: Vec<FaultSpan>,
     more_faults: u64,
 }
@@ -146,6 +150,7 @@ impl Sums {
             clipped: self.clipped.clone(),
             stopped: self.stopped,
             withdrawn: self.withdrawals.found.clone(),
+            friction: self.friction,
             digest: self.digest.value(),
         }
     }
