@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use firmware_sim::bench;
 use serde_json::json;
+use trueaxis_evaluation::shown::{Cell, Shown, Table};
 use trueaxis_tables::text::counted;
 
 #[derive(Args)]
@@ -45,20 +46,25 @@ pub(crate) fn time(args: &BenchArgs) -> Result<()> {
         });
         return put(&trueaxis_evaluation::json::pretty(&document)?);
     }
-    put(&format!(
-        "{} of {} on {}, wall time on this host\n  \
-         min {} ns, median {} ns, 99 % {} ns, 99.99 % {} ns, max {} ns (the clock's reading included)\n  \
-         {:.2} million steps a second on one core, without a clock between them; {:.2} million with the simulated \
-         machine\n",
-        counted(args.cycles as usize, "step"),
-        scenario.program.name,
-        scenario.machine.settings.name,
-        l.min_ns,
-        l.p50_ns,
-        l.p99_ns,
-        l.p99_99_ns,
-        l.max_ns,
-        outcome.steps_per_s * 1e-6,
-        outcome.steps_per_s_with_plant * 1e-6
-    ))
+    let figures = [
+        ("minimum, ns", Cell::count(l.min_ns as usize)),
+        ("median, ns", Cell::count(l.p50_ns as usize)),
+        ("99 %, ns", Cell::count(l.p99_ns as usize)),
+        ("99.99 %, ns", Cell::count(l.p99_99_ns as usize)),
+        ("maximum, ns", Cell::count(l.max_ns as usize)),
+        ("millions of steps a second", Cell::fixed(1e-6 * outcome.steps_per_s, 2)),
+        ("millions with the simulated machine", Cell::fixed(1e-6 * outcome.steps_per_s_with_plant, 2)),
+    ];
+    let shown = Shown {
+        title: "Cost of one step".into(),
+        summary: vec![
+            format!("{} of {}", counted(args.cycles as usize, "step"), scenario.program.name),
+            scenario.machine.settings.name.to_string(),
+            "wall time on one core of this host".into(),
+        ],
+        notes: vec!["single steps include the clock's reading; steps a second have no clock between them".into()],
+        tables: vec![Table::figures("Cost", figures)],
+        ..Shown::default()
+    };
+    put(&shown.text())
 }

@@ -1,6 +1,6 @@
 //! `firmware-sim compare`: arguments and output.
 
-use crate::console::{put, report_line};
+use crate::console::{conclude, report_line};
 use crate::machine_arg::{outputs_of, read_machine};
 use crate::record::{self, How};
 use crate::scenario_args::{ScenarioArgs, prepare};
@@ -130,13 +130,9 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<bool> {
     }
     let images: Vec<(Core, &Path)> = images.iter().map(|(core, elf)| (*core, elf.as_path())).collect();
     let outcome = inputs.compare(&images, &args.output)?;
-    let files = || [("compare.html".into(), report::compare::render(&outcome))];
-    let page = args.report.as_ref().map(|dir| report::write(outputs, dir, &files())).transpose()?;
-    if args.json {
-        put(&trueaxis_evaluation::json::pretty(&outcome.json())?)?;
-    } else {
-        let page = page.map_or(String::new(), |page| format!("written  {}\n", page.display()));
-        put(&(outcome.summary() + &page))?;
-    }
+    let shown = outcome.shown();
+    conclude(args.json, &outcome.json(), &shown, (args.report.as_deref(), outputs), || {
+        vec![("compare.html".into(), report::compare::render(&outcome, &shown))]
+    })?;
     Ok(outcome.is_good())
 }

@@ -44,7 +44,7 @@ pub(crate) fn put(text: &str) -> Result<()> {
     })
 }
 
-/// Ends a command: writes the files of a page into a folder, if one was given, and prints the document or the text.
+/// Ends a command: writes the files of a page into a folder, if there is one, and prints the document or the text.
 pub(crate) fn conclude<D: Serialize>(
     as_json: bool,
     document: &D,

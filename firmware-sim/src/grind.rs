@@ -5,9 +5,10 @@ use crate::machine_arg::{outputs_of, read_machine};
 use anyhow::Result;
 use clap::Args;
 use firmware_sim::latency::timed;
-use firmware_sim::report::grinding::{page, shown};
+use firmware_sim::report::grinding::page;
 use serde::Serialize;
 use std::path::PathBuf;
+use trueaxis_evaluation::simulated::grinding::shown;
 use trueaxis_sim::grinding::{self, Grinding, GrindingDocument, Process, Request};
 
 const HELP: &str = "\
@@ -88,7 +89,8 @@ pub(crate) fn grind(args: &GrindArgs) -> Result<()> {
     let (outcome, nanoseconds) = timed(|| grinding::simulate(&grinding, &mut progress));
     let (outcome, wall_s) = (outcome?, 1e-9 * nanoseconds as f64);
     bar.finish_and_clear();
-    let shown = shown(&grinding, &outcome, wall_s)?;
+    let mut shown = shown(&grinding, &outcome)?;
+    shown.notes.push(format!("two runs in {wall_s:.1} s"));
     let document = Ground { figures: GrindingDocument::new(&outcome, &grinding)?, wall_s };
     conclude(args.json, &document, &shown, (args.report.as_deref(), outputs), || {
         vec![("grinding.html".into(), page(&grinding, &outcome, &shown))]

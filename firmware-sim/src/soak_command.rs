@@ -7,6 +7,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use firmware_sim::soak::{self, Soak};
 use std::sync::Arc;
+use trueaxis_evaluation::shown::{Cell, Shown, Table};
 use trueaxis_sim::Scenario;
 use trueaxis_sim::motion::MOST_CYCLES;
 use trueaxis_sim::run::Kind;
@@ -71,7 +72,7 @@ pub(crate) fn run(args: &SoakArgs) -> Result<bool> {
     if args.json {
         put(&trueaxis_evaluation::json::pretty(&soak)?)?;
     } else {
-        put(&text(&soak, &scenario, times))?;
+        put(&shown(&soak, &scenario, times).text())?;
     }
     Ok(soak.differences.is_empty())
 }
@@ -93,34 +94,33 @@ fn digests(mark: &soak::Mark) -> String {
     mark.digest.0.iter().map(|(kind, digest)| format!("{} {digest}", kind.name())).collect::<Vec<_>>().join(", ")
 }
 
-fn text(soak: &Soak, scenario: &Scenario, times: usize) -> String {
-    let mut text = format!(
-        "{} {}, {:.2} h at {} Hz: {} cycles, {} side by side\n",
-        scenario.program.name,
-        counted(times, "time"),
-        soak.simulated_s / 3600.0,
-        scenario.rate_hz(),
-        soak.cycles,
-        counted(soak.runs, "run")
-    );
-    for ((kind, size), (_, faults)) in soak.contour_error_um.0.iter().zip(&soak.fault_cycles.0) {
-        text += &format!(
-            "  {}: contour error largest {:.3} um, RMS {:.3} um; cycles with a fault {faults}\n",
-            kind.name(),
-            size.max,
-            size.rms
-        );
-    }
-    if let Some([first, last]) = soak.resident_kb {
-        text += &format!("  resident memory {first} kB at the first mark, {last} kB at the last\n");
-    }
-    text += &format!("  {:.0} s\n", soak.wall_s);
+fn shown(soak: &Soak, scenario: &Scenario, times: usize) -> Shown {
+    let rows = soak.contour_error_um.0.iter().zip(&soak.fault_cycles.0).map(|((kind, size), (_, faults))| {
+        let faults = Cell::count(*faults as usize);
+        vec![kind.name().into(), Cell::fixed(size.max, 3), Cell::fixed(size.rms, 3), faults]
+    });
+    let head = ["machine", "contour error largest, µm", "RMS, µm", "cycles with a fault"];
     let marks = soak.marks.len();
-    if soak.differences.is_empty() {
+    let result = if soak.differences.is_empty() {
         let end = soak.marks.last().map(digests).unwrap_or_default();
-        text += &format!("all runs the same at {marks} marks; digests at the end: {end}\n");
+        format!("all runs the same at {marks} marks; digests at the end: {end}")
     } else {
-        text += &format!("marks that differ: {} of {}\n", soak.differences.len(), marks * (soak.runs - 1));
+        format!("marks that differ: {} of {}", soak.differences.len(), marks * (soak.runs - 1))
+    };
+    let resident = soak
+        .resident_kb
+        .map(|[first, last]| format!("resident memory {first} kB at the first mark, {last} kB at the last"));
+    Shown {
+        title: "Soak".into(),
+        summary: vec![
+            format!("{} {}", scenario.program.name, counted(times, "time")),
+            format!("{:.2} h at {} Hz", soak.simulated_s / 3600.0, scenario.rate_hz()),
+            format!("{} cycles", soak.cycles),
+            format!("{} side by side in {:.0} s", counted(soak.runs, "run"), soak.wall_s),
+        ],
+        result,
+        notes: resident.into_iter().collect(),
+        tables: vec![Table::new("The first run", head, rows)],
+        ..Shown::default()
     }
-    text
 }

@@ -9,7 +9,7 @@ fn json(arguments: &[&str]) -> Value {
     Folder::new(SIMULATOR).json(arguments)
 }
 
-/// What a command writes is `-o` in all of them, and `--output` is the same.
+/// `-o` names the output of every command; `--output` is its long form.
 #[test]
 fn every_output_has_both_its_names() {
     let folder = Folder::new(SIMULATOR);

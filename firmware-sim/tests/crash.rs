@@ -54,7 +54,7 @@ fn a_run_that_is_killed_or_interrupted_leaves_each_file_old_or_new() {
             fs::write(folder.join("out").join(name), "old").unwrap();
         }
         let mut child = folder.command(&RUN).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        // The moments are the point: each strikes a run elsewhere. However busy the machine is, the last run ends by itself.
+        // The moments are the point: each strikes a run elsewhere. However busy the machine is, the last run ends undisturbed.
         if n + 1 < moments {
             std::thread::sleep(whole.mul_f64(1.3 * f64::from(n) / f64::from(moments)));
             let signal = if n % 2 == 0 { "-KILL" } else { "-INT" };

@@ -6,8 +6,8 @@
 import pathlib
 import sys
 
-HERE = pathlib.Path(__file__).resolve().parent
-SOURCE = HERE / "../../crates/trueaxis/src/dynamic/adapt.rs"
+from defects import write
+
 FUNCTION = {"follow": ("&mut ", ", error: f32) { bounds.follow(factor, error); }"), "used": ("&", ") -> f32 { bounds.used(factor) }")}
 
 # name: (function, original text, planted text).
@@ -23,21 +23,11 @@ DEFECTS = {
 
 
 def main(folder):
-    source = SOURCE.read_text().replace("#[cfg(test)]\nmod tests", "#[cfg(any())]\nmod tests")
-    (folder / "src").mkdir(parents=True, exist_ok=True)
-    manifest = (HERE / "adapt/Cargo.toml").read_text().replace("../../../crates", str((HERE / "../../crates").resolve()))
-    (folder / "Cargo.toml").write_text(manifest.replace("trueaxis-adapt-ir", "trueaxis-adapt-controls"))
-    lines = ["#![no_std]", "#![allow(warnings)]", "mod real { pub use trueaxis::Real; }"]
-    for name, (function, right, wrong) in DEFECTS.items():
-        if source.count(right) != 1:
-            sys.exit(f"adapt_controls.py: found {source.count(right)} times in dynamic/adapt.rs, needed once: {right}")
-        (folder / f"src/{name}.rs").write_text(source.replace(right, wrong))
-        lines.append(f"mod {name};")
+    def signature(function, name):
         of, rest = FUNCTION[function]
-        lines.append(f"#[unsafe(no_mangle)] #[inline(never)] pub extern \"C\" fn {function}_f32_{name}(bounds: "
-                     f"&{name}::Bounds<f32>, factor: {of}{name}::Factor<f32>{rest}")
-        print(f"{function}_f32_{name}")
-    (folder / "src/lib.rs").write_text("\n".join(lines) + "\n")
+        return f"bounds: &{name}::Bounds<f32>, factor: {of}{name}::Factor<f32>{rest}"
+
+    write(folder, "adapt", "dynamic/adapt.rs", DEFECTS, [], signature)
 
 
 if __name__ == "__main__":

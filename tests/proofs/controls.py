@@ -6,8 +6,8 @@
 import pathlib
 import sys
 
-HERE = pathlib.Path(__file__).resolve().parent
-SOURCE = HERE / "../../crates/trueaxis/src/limiter/mod.rs"
+from defects import write
+
 FUNCTION = {"follow": ", wanted: f32) -> bool { limiter.follow(state, wanted) }",
             "freeze": ") { limiter.freeze(state) }", "hold": ") { limiter.hold(state) }"}
 
@@ -30,22 +30,11 @@ DEFECTS = {
 
 
 def main(folder):
-    source = SOURCE.read_text()
-    (folder / "src").mkdir(parents=True, exist_ok=True)
-    manifest = (HERE / "limiter/Cargo.toml").read_text().replace("../../../crates", str((HERE / "../../crates").resolve()))
-    (folder / "Cargo.toml").write_text(manifest.replace("trueaxis-limiter-ir", "trueaxis-limiter-controls")
-                                       .replace("[dependencies]", "[dependencies]\nlibm = '0.2.16'"))
-    # The limiter's source names modules of its own crate; `real` is not public there.
-    lines = ["#![no_std]", "#![allow(warnings)]", "use trueaxis::{error, machine};", "mod real { pub use trueaxis::Real; }"]
-    for name, (function, right, wrong) in DEFECTS.items():
-        if source.count(right) != 1:
-            sys.exit(f"controls.py: found {source.count(right)} times in limiter/mod.rs, needed once: {right}")
-        (folder / f"src/{name}.rs").write_text(source.replace(right, wrong))
-        lines.append(f"mod {name};")
-        lines.append(f"#[unsafe(no_mangle)] #[inline(never)] pub extern \"C\" fn {function}_f32_{name}(limiter: "
-                     f"&{name}::Limiter<f32>, state: &mut {name}::LimiterState<f32>{FUNCTION[function]}")
-        print(f"{function}_f32_{name}")
-    (folder / "src/lib.rs").write_text("\n".join(lines) + "\n")
+    signature = lambda function, name: (
+        f"limiter: &{name}::Limiter<f32>, state: &mut {name}::LimiterState<f32>{FUNCTION[function]}")
+    write(folder, "limiter", "limiter/mod.rs", DEFECTS, ["use trueaxis::{error, machine};"], signature)
+    manifest = folder / "Cargo.toml"
+    manifest.write_text(manifest.read_text().replace("[dependencies]", "[dependencies]\nlibm = '0.2.16'"))
 
 
 if __name__ == "__main__":

@@ -93,7 +93,7 @@ fn a_loop_is_built_of_nothing_less() {
     for (place, (result, build)) in refused.iter().enumerate() {
         // SAFETY: our own storage, zeroed.
         let before = bytes_of(unsafe { &*storage });
-        // Miri takes a second to read a file: there every other mistake is made with an error only, the rest without.
+        // Miri takes a second to read a file: there every other mistake has an error only, the rest none.
         if !cfg!(miri) || place % 2 == 0 {
             assert_eq!(build.call(), *result, "{place}");
         }

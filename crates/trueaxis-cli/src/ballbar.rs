@@ -3,12 +3,13 @@
 use crate::machine_folder::{self, Writing};
 use crate::output::{print, report_line};
 use crate::report;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 use trueaxis::Axis;
 use trueaxis_evaluation::ballbar::{Options, Test};
 use trueaxis_evaluation::friction::pair;
+use trueaxis_evaluation::model::bytes;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const EXAMPLE: &str = "\
@@ -98,7 +99,7 @@ pub(crate) fn run(arguments: &BallbarArgs) -> Result<()> {
     let pitches_mm = [arguments.pitch_x_mm, arguments.pitch_y_mm, arguments.pitch_z_mm];
     let options = Options::new(arguments.radius_mm, arguments.axes, pitches_mm).map_err(|wrong| wrong.option())?;
     let record = &arguments.record;
-    let bytes = std::fs::read(record).with_context(|| format!("cannot read {}", record.display()))?;
+    let bytes = bytes(record)?;
     let test = Test::read(&bytes, record, &options, |note| report_line(format_args!("note: {note}")))?;
     let document = test.document();
     let files = arguments.machine.iter().flat_map(|machine| machine_folder::inputs(machine, into));

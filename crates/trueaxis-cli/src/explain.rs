@@ -91,12 +91,23 @@ const RESULTS: &[(u8, &str, &str)] = &[
 /// Features of the C library, the first six those of the core.
 const PARTS: &[&str] = &["grids", "volumetric", "rotary", "dynamic", "gauge", "curves", "toolpath", "growth"];
 
+/// Why any compiled file is refused; then come the reasons of its kind.
+fn of_file(kind: &str, reasons: &[&str]) -> Vec<(u8, String)> {
+    let common = [
+        "shorter than its header says",
+        "longer than its header says",
+        &format!("not {kind}"),
+        "another version of the format",
+        "damaged: wrong CRC-32",
+    ];
+    numbered(common.iter().chain(reasons))
+}
+
+fn numbered<'t>(texts: impl IntoIterator<Item = &'t &'t str>) -> Vec<(u8, String)> {
+    (1..).zip(texts.into_iter().map(|text| (*text).to_owned())).collect()
+}
+
 const LEARNED: &[&str] = &[
-    "shorter than its header says",
-    "longer than its header says",
-    "not a learned correction",
-    "another version of the format",
-    "damaged: wrong CRC-32",
     "spacing of the nodes out of range",
     "resolution of the nodes out of range",
     "learned from zero parts",
@@ -108,11 +119,6 @@ const LEARNED: &[&str] = &[
 ];
 
 const GROWTH: &[&str] = &[
-    "shorter than its header says",
-    "longer than its header says",
-    "not a file of thermal growth",
-    "another version of the format",
-    "damaged: wrong CRC-32",
     "number of sensors out of range",
     "number of axes out of range",
     "number of knots out of range",
@@ -158,7 +164,6 @@ impl Kind {
 
     /// Every code with its meaning, ascending.
     fn codes(self) -> Vec<(u8, String)> {
-        let numbered = |texts: &[&str]| (1..).zip(texts.iter().map(|text| (*text).to_owned())).collect();
         match self {
             Kind::Result => {
                 let name = |number, name: &str| format!("TRUEAXIS_{}{name}", if number == 0 { "" } else { "ERROR_" });
@@ -176,8 +181,8 @@ impl Kind {
             }
             Kind::Setting => Field::ALL.iter().map(|field| (field.code(), setting(*field, None))).collect(),
             Kind::Part => numbered(PARTS),
-            Kind::Learned => numbered(LEARNED),
-            Kind::Growth => numbered(GROWTH),
+            Kind::Learned => of_file("a learned correction", LEARNED),
+            Kind::Growth => of_file("a file of thermal growth", GROWTH),
         }
     }
 }
@@ -203,7 +208,7 @@ fn setting(field: Field, axis: Option<Axis>) -> String {
     }
     let axes = axis.map_or([Axis::X, Axis::C], |axis| [axis; 2]);
     let [linear, rotary] = axes.map(|axis| field.key(Some(axis)).map(|key| key.to_string()));
-    // Only rotary axes have location errors of their own.
+    // Only rotary axes have location errors.
     let Some(key) = rotary.filter(|key| key.contains("0C_")).or(linear) else {
         return format!("{field:?}, which the host sets");
     };

@@ -4,8 +4,7 @@ use crate::output::{json, print, progress};
 use crate::probes::ProbeArgs;
 use anyhow::Result;
 use clap::Args;
-use std::fmt::Write;
-use trueaxis_evaluation::probe_angles::{Pair, ProbeAnglesDocument, Request, USUAL_COUNT};
+use trueaxis_evaluation::probe_angles::{Request, USUAL_COUNT};
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
@@ -43,36 +42,5 @@ pub(crate) fn run(arguments: &ProbeAnglesArgs) -> Result<()> {
     let document = search.run(|| bar.inc(1));
     bar.finish_and_clear();
     let document = document?;
-    if arguments.json { json(&document) } else { print(&table(&document)?) }
-}
-
-fn table(document: &ProbeAnglesDocument) -> Result<String> {
-    let [first, last] = document.harmonics;
-    let mut text = format!("N = {}, harmonics {first} to {last}\n\n", document.n);
-    writeln!(
-        text,
-        "{:>5} {:>5} {:>11} {:>11} {:>11} {:>17} {:>12}",
-        "p", "q", "φ2 in °", "φ3 in °", "worst gain", "worst noise gain", "at harmonic"
-    )?;
-    let mut line = |pair: &Pair| {
-        let slot = |slot: Option<i64>| slot.map_or_else(|| "–".to_owned(), |slot| slot.to_string());
-        writeln!(
-            text,
-            "{:>5} {:>5} {:>11.5} {:>11.5} {:>11.4} {:>17.3} {:>12}",
-            slot(pair.p),
-            slot(pair.q),
-            pair.phi2_deg,
-            pair.phi3_deg,
-            pair.worst_gain,
-            pair.worst_noise_gain,
-            pair.worst_harmonic
-        )
-    };
-    document.best.iter().try_for_each(&mut line)?;
-    if let Some(given) = &document.pair {
-        line(&given.pair)?;
-        let percent = 100.0 * given.share_of_best;
-        writeln!(text, "\nThe last line is the given pair: {percent:.1} % of the best worst gain.")?;
-    }
-    Ok(text)
+    if arguments.json { json(&document) } else { print(&document.table().to_string()) }
 }

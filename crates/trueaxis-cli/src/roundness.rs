@@ -7,8 +7,9 @@ use crate::probes::ProbeArgs;
 use crate::report;
 use anyhow::Result;
 use clap::Args;
+use maud::Render;
 use std::path::PathBuf;
-use trueaxis_evaluation::roundness::{COLUMNS, Plan, Readings, Request};
+use trueaxis_evaluation::roundness::{COLUMNS, Plan, Readings, Request, orbit, polar};
 use trueaxis_metrology::separation::{NOISE_GAIN_LIMIT, Separation};
 use trueaxis_tables::output::Outputs;
 
@@ -86,8 +87,8 @@ pub(crate) fn run(arguments: &RoundnessArgs) -> Result<()> {
         (arguments.json || arguments.report.is_some()).then(|| plan.evaluate(&separations, &readings)).transpose()?;
     let mut outputs = Outputs::of([&arguments.readings]);
     if let (Some(directory), Some(evaluation)) = (&arguments.report, &evaluation) {
-        let figures = report::roundness::figures(evaluation, arguments.noise_gain_limit);
-        let shown = plan.shown(&evaluation.document);
+        let figures = [("Profile", polar(evaluation, [true; 4]).render()), ("Spindle", orbit(evaluation).render())];
+        let shown = plan.shown(evaluation);
         report::stage(&mut outputs, (directory, "roundness.html"), &arguments.readings, &shown, figures)?;
     }
     if arguments.output.is_some() || !arguments.json {

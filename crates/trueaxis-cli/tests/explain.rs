@@ -34,7 +34,7 @@ fn every_result_of_the_header_is_explained_by_its_name() {
 #[test]
 fn a_setting_is_explained_by_its_key_and_unit() {
     let folder = Folder::new(TRUEAXIS);
-    // `#22` is what the C library writes without texts.
+    // Without texts the C library writes `#22`.
     let text = folder.good(&["explain", "setting", "#22", "--axis", "X", "--found", "0.0003"]);
     assert_eq!(text, "axis.X.hysteresis_um: found 0.3\n");
     assert_eq!(folder.good(&["explain", "setting", "22"]), "axis.*.hysteresis_um\n");

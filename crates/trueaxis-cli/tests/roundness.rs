@@ -320,15 +320,15 @@ fn the_report_shows_circles_harmonics_and_orbits() {
     assert_eq!(directory.good(&[&arguments[..], &more].concat()), "");
     let page = directory.read("deep/er/roundness.html");
     let (text, _) = read_page(&page);
-    // One figure each for polar plot, amplitudes, noise gains, orbit, motion over θ; two for the development.
-    assert_eq!(page.matches("<figure").count(), 7);
+    // One figure each for polar plot, profile, amplitudes, noise gains, orbit, motion over θ; two for the development.
+    assert_eq!(page.matches("<figure").count(), 8);
     for part in
-        ["LSC", "MZC", "MIC", "MCC", "Magnification 10000 : 1", "one division is", "Suppressed: ", "5 revolutions"]
+        ["LSC", "MZC", "MIC", "MCC", "Magnification 10000 : 1", "one division is", "suppressed: noise gain up to ", "5 revolutions"]
     {
         assert!(text.contains(part), "{part}");
     }
     assert!(
-        text.contains("limit 10.") && page.contains("/></svg>limit</span>"),
+        text.contains("limit 10") && page.contains("/></svg>limit</span>"),
         "a limit in the figure is in its legend"
     );
     assert!(text.contains("pin & \"x\".csv") && !page.contains("http-equiv") && !page.contains("<script"));
@@ -345,7 +345,7 @@ fn the_report_shows_circles_harmonics_and_orbits() {
         ["roundness", "zero.csv", "--n=64", "--p=11", "--q=13", "--noise-gain-limit=1e6", "--report=far", "-o=f.csv"];
     directory.good(&far);
     let page = directory.read("far/roundness.html");
-    assert!(page.contains("limit 1000000, outside the figure.") && !page.contains("/></svg>limit</span>"));
+    assert!(page.contains("limit 1000000") && !page.contains("/></svg>limit</span>"));
 }
 
 #[test]

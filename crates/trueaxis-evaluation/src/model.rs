@@ -17,10 +17,17 @@ use trueaxis_tables::{Machine, Table};
 /// A file that cannot be read, with file, line, the value found and the value needed.
 pub fn machine(path: &Path, note: &mut dyn FnMut(String)) -> Result<Machine> {
     if is_compiled(path) {
-        let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-        return Ok(Machine::from_tcomp(&parsed(&bytes, path)?));
+        return Ok(Machine::from_tcomp(&parsed(&bytes(path)?, path)?));
     }
     source(path, note)
+}
+
+/// The content of a file.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn bytes(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))
 }
 
 /// A machine in source form; `note` receives remarks on separators other than commas, on decimal commas, and on files left by

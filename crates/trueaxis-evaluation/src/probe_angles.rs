@@ -1,6 +1,7 @@
 //! Angles of three probes: the best pairs and the noise gain of a given one.
 
 use crate::probes::Probes;
+use crate::shown::{Cell, Table};
 use anyhow::{Result, bail};
 use serde::{Deserialize, Serialize};
 use trueaxis::roundness::{Band, Gain, ProbeAngles};
@@ -39,6 +40,32 @@ pub struct ProbeAnglesDocument {
     /// The requested pair.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pair: Option<GivenPair>,
+}
+
+impl ProbeAnglesDocument {
+    /// The best pairs and, last, the requested one.
+    pub fn table(&self) -> Table {
+        let row = |name: String, pair: &Pair| {
+            let slot = |slot: Option<i64>| Cell::fixed(slot.map(|slot| slot as f64), 0);
+            vec![
+                name.into(),
+                slot(pair.p),
+                slot(pair.q),
+                Cell::fixed(pair.phi2_deg, 5),
+                Cell::fixed(pair.phi3_deg, 5),
+                Cell::fixed(pair.worst_gain, 4),
+                Cell::fixed(pair.worst_noise_gain, 3),
+                Cell::count(pair.worst_harmonic.into()),
+            ]
+        };
+        let best = self.best.iter().enumerate().map(|(i, pair)| row((i + 1).to_string(), pair));
+        let given = self.pair.iter().map(|given| {
+            row(format!("given pair, {:.1} % of the best gain", 100.0 * given.share_of_best), &given.pair)
+        });
+        let [first, last] = self.harmonics;
+        let header = ["pair", "p", "q", "φ2, °", "φ3, °", "worst gain", "worst noise gain", "at harmonic"];
+        Table::new(format!("Best pairs, N = {}, harmonics {first} to {last}", self.n), header, best.chain(given))
+    }
 }
 
 /// Angles of the probes and their worst harmonic.

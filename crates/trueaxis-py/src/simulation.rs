@@ -180,7 +180,7 @@ impl Traces {
     }
 }
 
-/// What [`simulate`] is asked to simulate, in types that may leave the interpreter's lock.
+/// Request to [`simulate`], in types that may leave the interpreter's lock.
 struct Request<'a> {
     machine: &'a trueaxis_tables::Machine,
     program: &'a Program,

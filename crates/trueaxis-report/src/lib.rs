@@ -29,7 +29,7 @@ pub use figure::Figure;
 pub use heat_map::heat_map;
 pub use histogram::columns;
 pub use mark::Mark;
-pub use page::{Page, emphasised, missing, side_by_side, summary};
+pub use page::{Page, missing, side_by_side, summary};
 pub use polar::{CIRCLES, Circle, PolarTrace, polar, polar_traces};
 pub use scale::Scale;
 pub use stroke::Stroke;

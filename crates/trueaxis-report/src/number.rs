@@ -27,7 +27,7 @@ pub fn significant(value: f64, digits: i32) -> String {
     decimals(value, (digits - 1 - magnitude).max(0))
 }
 
-/// A number rounded to the last of the `digits` significant digits of its `uncertainty`, with at most ten digits of its own;
+/// A number rounded to the last of the `digits` significant digits of its `uncertainty`, with at most ten significant digits;
 /// as [`significant`] if the uncertainty has no magnitude.
 #[must_use]
 pub fn as_far_as(value: f64, uncertainty: f64, digits: i32) -> String {

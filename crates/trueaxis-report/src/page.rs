@@ -65,12 +65,6 @@ pub fn summary(parts: impl IntoIterator<Item = Markup>) -> Markup {
     }
 }
 
-/// A name and its emphasised value, for [`summary`].
-#[must_use]
-pub fn emphasised(name: &str, value: &str) -> Markup {
-    html! { (name) " " strong { (value) } }
-}
-
 /// A remark in place of a figure.
 pub fn missing(text: impl Render) -> Markup {
     html! { p.empty { (text) } "\n" }

@@ -2,8 +2,8 @@
 
 use maud::{Render, html};
 use trueaxis_report::{
-    CIRCLES, Circle, Deviated, Figure, Mark, Page, Row, Scale, Stroke, Table, View, colour, emphasised, error_bars,
-    heat_map, missing, polar, residuals, side_by_side, summary,
+    CIRCLES, Circle, Deviated, Figure, Mark, Page, Row, Scale, Stroke, Table, View, colour, error_bars, heat_map,
+    missing, polar, residuals, side_by_side, summary,
 };
 
 const NAME: &str = "mill <3> & \"Söhne's\" \u{1}\0";
@@ -74,7 +74,7 @@ fn text_is_escaped_everywhere() {
     let table = Table::new(["", NAME], [Row::new(NAME, [NAME.into()]), Row::whole("whole", NAME)]).caption(NAME);
     let page = Page::new(NAME)
         .style(".own > b { color: #123; }")
-        .top(summary([emphasised(NAME, NAME), html! { (NAME) }]))
+        .top(summary([html! { (NAME) " " strong { (NAME) } }, html! { (NAME) }]))
         .top(table)
         .section(NAME, side_by_side([every_layer(linear, &[[0.0, 1.0], [1.0, 2.0]])]))
         .section("none", missing(NAME))

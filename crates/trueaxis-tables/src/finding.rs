@@ -1,5 +1,6 @@
 //! Decides which results of a test are written into a machine: one rule for every command, the desk and Python.
 
+use crate::text::aligned;
 use serde::{Serialize, Serializer};
 use std::fmt;
 use toml_edit::{Item, TableLike};
@@ -59,7 +60,7 @@ impl Known {
     }
 }
 
-/// Displayed as `32 (u 3)`: u is the standard uncertainty. ± is kept for expanded uncertainties.
+/// Displayed as `32 (u 3)`: u is the standard uncertainty. ± marks expanded uncertainties.
 impl fmt::Display for Known {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Known { value, uncertainty, .. } = self.rounded();
@@ -295,22 +296,19 @@ impl fmt::Display for Decision {
 }
 
 /// The decisions as a table: key, old, found, written and why; without decisions, an empty text. The rule compares standard
-/// uncertainties u, which the machine states: these are shown.
+/// uncertainties u, which the machine states, and the table has these.
 pub fn table(decisions: &[Decision]) -> String {
+    if decisions.is_empty() {
+        return String::new();
+    }
     let shown = |known: &Option<Known>| known.map_or_else(|| String::from("–"), |known| known.to_string());
-    let head = ["key", "old", "found", "written", "why; u: standard uncertainty"].map(String::from);
-    let rows = decisions
+    let rows: Vec<[String; 5]> = decisions
         .iter()
-        .map(|of| [of.key.clone(), shown(&of.stated), of.found.to_string(), shown(&of.written), of.why.to_string()]);
-    let rows: Vec<[String; 5]> =
-        if decisions.is_empty() { Vec::new() } else { [head].into_iter().chain(rows).collect() };
-    let widths: [usize; 5] =
-        std::array::from_fn(|k| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or_default());
-    let line = |row: &[String; 5]| {
-        let cells = row.iter().zip(widths).map(|(cell, width)| format!("{cell:<width$}"));
-        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
-    };
-    rows.iter().map(line).collect::<Vec<_>>().join("\n")
+        .map(|of| [of.key.clone(), shown(&of.stated), of.found.to_string(), shown(&of.written), of.why.to_string()])
+        .collect();
+    let head = vec!["key", "old", "found", "written", "why; u: standard uncertainty"];
+    let lines = std::iter::once(head).chain(rows.iter().map(|row| row.iter().map(String::as_str).collect()));
+    aligned(&lines.collect::<Vec<_>>(), |_| true).trim_end().to_owned()
 }
 
 /// Number that identifies a record: FNV-1a of its bytes.

@@ -97,6 +97,24 @@ pub fn axes(count: usize) -> String {
     if count == 1 { "1 axis".to_owned() } else { format!("{count} axes") }
 }
 
+/// Lines of cells with their columns aligned, two spaces apart, a line each; a column of words to the left, one of numbers to the
+/// right.
+pub fn aligned(lines: &[Vec<&str>], is_words: impl Fn(usize) -> bool) -> String {
+    let columns = lines.iter().map(Vec::len).max().unwrap_or_default();
+    let width = |column: usize| {
+        lines.iter().filter_map(|line| Some(line.get(column)?.chars().count())).max().unwrap_or_default()
+    };
+    let columns: Vec<(usize, bool)> = (0..columns).map(|column| (width(column), is_words(column))).collect();
+    let line = |line: &Vec<&str>| {
+        let cells = line.iter().zip(&columns).map(|(cell, (width, is_words))| match is_words {
+            true => format!("{cell:<width$}"),
+            false => format!("{cell:>width$}"),
+        });
+        format!("{}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
+    };
+    lines.iter().map(line).collect()
+}
+
 /// A length of an axis in µm, or an angle in µrad, from mm or degrees.
 pub(crate) fn micro(axis: Axis, value: f64) -> f64 {
     if axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 }

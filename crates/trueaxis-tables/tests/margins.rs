@@ -179,7 +179,7 @@ fn accept(machine: &Machine) -> Result<(), ConfigError> {
     feedback_within(machine, &Uncertainties::default(), 1000.0)
 }
 
-/// Without figures any resonance above 100 Hz with which the drive alone is sound must be harmless; a controller, which is given
+/// Without figures any resonance above 100 Hz with which the drive alone is sound must be harmless; a controller, which receives
 /// no figures either, does not ask.
 #[test]
 fn an_unknown_resonance_is_assumed() {

@@ -2,7 +2,7 @@
 
 pub mod command;
 pub mod control;
-// `trueaxis` compiles this file too: its unit tests need machines of the types of their own build.
+// `trueaxis` compiles this file too: its unit tests need machines of the types of that build.
 #[path = "../../trueaxis/src/testing/machine.rs"]
 pub mod machine;
 pub mod noise;

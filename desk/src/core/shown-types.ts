@@ -37,7 +37,7 @@ export interface Table {
 export type Cell = string | { text: string; value: number };
 
 /** How curves are drawn. */
-export type Look = "line" | "dotted" | "points";
+export type Look = "line" | "dotted" | "points" | "columns";
 
 /** Curves over one column of positions. */
 export interface Plot {
@@ -51,6 +51,10 @@ export interface Plot {
   y: [string, string];
   /** How the curves are drawn. */
   look: Look;
+  /** Whether the vertical axis is logarithmic. */
+  logarithmic: boolean;
+  /** A limit of the quantity, drawn across. */
+  limit: number | null;
   /** Explanation for the reader. */
   caption: string;
   /** Positions, ascending. */
@@ -65,7 +69,7 @@ export interface Curve {
   name: string;
   /** Index of the curve's colour, from 0. */
   colour: number;
-  /** Whether the line is dashed. */
+  /** Whether the line is dashed, or a column hatched. */
   dashed: boolean;
   /** A value for every position; NaN (null) if missing. */
   values: (number | null)[];

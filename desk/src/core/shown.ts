@@ -1,13 +1,13 @@
 // A result as the module describes it: tables and plots.
 
-import { bars, el, notes, table } from "./dom";
+import { bars, el, notes, table, unique } from "./dom";
 import { Plot, withBand, type Series } from "./plot";
 import { keys, largest, Polar, type PolarSeries } from "./polar";
 import type { Around, Cell, Curve, Look, Plot as Plotted, Polar as Circles, Shown, Table } from "./shown-types";
 import type { ColourName } from "./theme";
 
 /** By index, as in a report. */
-const COLOURS: readonly ColourName[] = ["x", "y", "z", "a", "b", "before", "after", "servo", "measured"];
+const COLOURS: readonly ColourName[] = ["x", "y", "z", "a", "warning", "before", "after", "servo", "measured"];
 const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [4, 4]];
 const colourOf = (index: number) => COLOURS[index % COLOURS.length]!;
 const dashOf = (index: number) => DASHES[index % DASHES.length]!;
@@ -25,23 +25,42 @@ export function showTables(host: HTMLElement, shown: Shown): void {
   host.replaceChildren(notes("Notes", shown.notes, "warning"), ...shown.tables.map(tabled));
 }
 
-/** Plots of a result, one below the other. */
-export function showPlots(host: HTMLElement, plots: Plotted[]): void {
+/**
+ * Plots of a result, one below the other; the cursors of those of a section move together. Returns a function that draws later
+ * states of the same plots.
+ */
+export function showPlots(host: HTMLElement, plots: Plotted[]): (later: Plotted[]) => void {
+  const key = unique("shown");
+  const parts = ({ look, y, at, limit, curves }: Plotted): Part[] => {
+    const across: Part[] = limit === null ? [] : [{ series: [{ name: "limit", colour: "warning", dash: [6, 4] }], columns: [at.map(() => limit)] }];
+    return [...curves.map((curve) => drawn(curve, look, y[1])), ...across];
+  };
+  const named = ([name, unit]: [string, string]) => (unit === "" ? name : `${name} / ${unit}`);
   host.replaceChildren();
-  for (const { title, x, y, look, caption, at, curves } of plots) {
-    const named = ([name, unit]: [string, string]) => (unit === "" ? name : `${name} / ${unit}`);
-    const parts = curves.map((curve) => drawn(curve, look, y[1]));
-    const plot = new Plot(host, { title, x: named(x), y: named(y), height: 240, series: parts.flatMap(({ series }) => series) });
-    plot.set([at, ...parts.flatMap(({ columns }) => columns)]);
+  const own = plots.map((of) => {
+    const series = parts(of).flatMap((part) => part.series);
+    const plot = new Plot(host, { title: of.title, x: named(of.x), y: named(of.y), height: 240, series, logarithmic: of.logarithmic, sync: `${key} ${of.section}` });
     // The report's bars are drawn as lines here.
-    if (caption !== "") plot.root.querySelector("figcaption")?.after(el("small", {}, caption.replace("Bars:", "Thin lines:")));
-  }
+    if (of.caption !== "") plot.root.querySelector("figcaption")?.after(el("small", {}, of.caption.replace("Bars:", "Thin lines:")));
+    return plot;
+  });
+  const set = (later: Plotted[]) => later.forEach((of, i) => own[i]?.set([of.at, ...parts(of).flatMap(({ columns }) => columns)]));
+  set(plots);
+  return set;
 }
 
-function drawn({ name, colour, dashed, values, expanded }: Curve, look: Look, unit: string): { series: Series[]; columns: (number | null)[][] } {
-  const own: Series = { name, unit, colour: colourOf(colour), joined: true, points: look === "points", dots: look === "dotted", dash: dashed ? [2, 4] : dashOf(colour) };
+/** A curve as drawn: its lines and their values. */
+interface Part {
+  series: Series[];
+  columns: (number | null)[][];
+}
+
+function drawn({ name, colour, dashed, values, expanded }: Curve, look: Look, unit: string): Part {
+  const own: Series = { name, unit, colour: colourOf(colour) };
+  if (look === "columns") return { series: [{ ...own, bars: dashed ? "hatched" : "solid" }], columns: [values] };
+  const line: Series = { ...own, joined: true, points: look === "points", dots: look === "dotted", dash: dashed ? [2, 4] : dashOf(colour) };
   const [known, half] = [values, expanded].map((of) => of.filter((value) => value !== null)) as [number[], number[]];
-  return half.length > 0 && half.length === values.length && known.length === values.length ? withBand(own, known, half) : { series: [own], columns: [values] };
+  return half.length > 0 && half.length === values.length && known.length === values.length ? withBand(line, known, half) : { series: [line], columns: [values] };
 }
 
 /** Polar plots of a result side by side, those of a section on one scale. */

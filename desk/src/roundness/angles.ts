@@ -1,10 +1,11 @@
 // Manually adjusted probe angles, their noise gain, and the best pairs.
 
 import { message, type Desk } from "../core/desk";
-import { button, commandLine, el, numberField, section, table, type Cell } from "../core/dom";
-import { cell, fixed, significant } from "../core/number";
+import { button, commandLine, el, numberField, section } from "../core/dom";
+import { significant } from "../core/number";
 import { Plot } from "../core/plot";
-import { listed, probeOptions, type Best, type Curve, type Pair, type Probes } from "./documents";
+import { tabled } from "../core/shown";
+import { listed, probeOptions, type Best, type Curve, type Probes } from "./documents";
 import { arrangement } from "./picture";
 import { ProbeControls } from "./probes";
 
@@ -140,11 +141,8 @@ export class Angles {
     this.desk.note(said);
   }
 
-  private list({ best, pair }: Best): void {
-    const row = (name: string, of: Pair): Cell[] => [name, slot(of.p), slot(of.q), cell(of.phi2_deg, 4), cell(of.phi3_deg, 4), cell(of.worst_gain, 4), cell(of.worst_noise_gain), { text: String(of.worst_harmonic), value: of.worst_harmonic }];
-    const rows = best.map((of, i) => row(String(i + 1), of));
-    if (pair) rows.push(row(`given pair, ${fixed(100 * pair.share_of_best, 1)} % of the best gain`, pair));
-    const listing = table("Best pairs", ["pair", "p", "q", "φ2 / °", "φ3 / °", "worst gain", "worst noise gain", "at harmonic"], rows);
+  private list({ best, table }: Best): void {
+    const listing = tabled(table);
     listing.querySelector("thead tr")?.append(el("th", { scope: "col" }, "show"));
     listing.querySelectorAll("tbody tr").forEach((line, i) => {
       const { p, q } = best[i] ?? {};
@@ -154,10 +152,6 @@ export class Angles {
     });
     this.found.replaceChildren(el("div", { class: "rows", tabindex: 0, role: "group", "aria-label": "Best pairs" }, listing));
   }
-}
-
-function slot(of: number | undefined): Cell {
-  return of === undefined ? "–" : { text: String(of), value: of };
 }
 
 function words({ worst, blind, singular }: Curve): (Node | string)[] {

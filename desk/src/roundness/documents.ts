@@ -1,6 +1,6 @@
 // The module's documents, as printed by the command line.
 
-import type { Shown } from "../core/shown-types";
+import type { Shown, Table } from "../core/shown-types";
 
 export interface Probes {
   n: number;
@@ -28,20 +28,9 @@ export const CIRCLE_WORDS: Record<CircleName, string> = {
   mcc: "MCC, minimum circumscribed",
 };
 
-export interface Roundness {
-  n: number;
-  revolutions: number;
-  harmonics: { k: number; amplitude_um: number; noise_gain: number; suppressed: boolean }[];
+/** Tables and plots of an evaluation, its warnings, and the command line's notes. */
+export interface Noted {
   warnings: string[];
-}
-
-export interface Trace {
-  points: number;
-}
-
-/** A document with its tables and plots, and the command line's notes. */
-export interface Noted<D> {
-  document: D;
   shown: Shown;
   notes: string[];
 }
@@ -68,30 +57,7 @@ export interface Curve {
 
 export interface Best {
   best: Pair[];
-  pair?: Pair & { share_of_best: number };
-}
-
-export interface RunFigures {
-  imprint_um: number;
-  roundness_um: number;
-  evaluated: number;
-  skipped: number;
-  discarded: number;
-  limited_cycles: number;
-  per_revolution: { imprint_um: number; roundness_um: number }[];
-}
-
-export interface Ground {
-  machine: string;
-  harmonics: [number, number];
-  gain: number;
-  speed_rpm: number;
-  cycles: number;
-  averaged_revolutions: number;
-  uncorrected: RunFigures;
-  corrected: RunFigures;
-  imprint_ratio: number;
-  limits_exceeded: number;
+  table: Table;
 }
 
 /** Options of a command line for these probes. */

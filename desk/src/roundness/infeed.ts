@@ -1,11 +1,10 @@
 // A crankpin ground with and without infeed correction.
 
 import type { Desk } from "../core/desk";
-import { button, choice, commandLine, el, group, numberField, section, table, type Field } from "../core/dom";
-import { cell, fixed } from "../core/number";
-import { Plot } from "../core/plot";
+import { button, choice, commandLine, el, group, numberField, section, type Field } from "../core/dom";
 import { word } from "../core/shell";
-import type { Ground, RunFigures } from "./documents";
+import { showPlots, showTables } from "../core/shown";
+import type { Plot, Shown } from "../core/shown-types";
 
 /** Request to `firmware-sim grind`. */
 export interface GrindRequest {
@@ -24,13 +23,11 @@ export class Infeed {
   readonly root: HTMLElement;
   private readonly fields: Record<keyof GrindRequest, Field>;
   private readonly of;
-  private readonly roundness: Plot;
-  private readonly imprint: Plot;
   private readonly progress = el("progress", { max: 1, value: 0, hidden: true, "aria-label": "Grinding" });
   private readonly figures = el("div", { class: "tables" });
   private readonly start: HTMLButtonElement;
   private readonly command = commandLine("The same on the command line:");
-  private readonly plots: HTMLElement;
+  private readonly plots = el("div", { class: "pair", hidden: true });
   private run = 0;
   /** Command line of the figures shown, until a setting is changed. */
   private ground: string | undefined;
@@ -48,15 +45,6 @@ export class Infeed {
     };
     this.of = choice<Of>("Machine", [["sample", "sample grinder"], ["desk", "the desk's machine"]], "sample", say);
     this.start = button("Grind", () => void this.grind(), { class: "primary" });
-    const [one, other] = [el("div"), el("div")];
-    const series = [
-      { name: "without correction", colour: "before" as const, dash: [7, 3] },
-      { name: "with correction", colour: "after" as const },
-    ];
-    const options = { x: "revolution", series, sync: "ground", height: 240 };
-    this.roundness = new Plot(one, { ...options, title: "Roundness of the ground pin", y: "peak to valley / µm" });
-    this.imprint = new Plot(other, { ...options, title: "Imprint of the spindle in the corrected band", y: "root mean square / µm" });
-    this.plots = el("div", { class: "pair", hidden: true }, one, other);
     this.root = section(
       "Infeed correction",
       el("p", {}, "A crankpin is ground twice from the same seed: the gauge of three probes measures while the servo step runs, and in the second run its infeed corrects the error measured in earlier revolutions."),
@@ -107,6 +95,8 @@ export class Infeed {
       this.ground = this.command.text();
       this.figures.replaceChildren();
       this.plots.hidden = false;
+      const plots = async () => JSON.parse(await runs.call("grinding_plots")) as Plot[];
+      const draw = showPlots(this.plots, await plots());
       let cycles = 2000;
       let share = 0;
       while (share < 1) {
@@ -117,11 +107,11 @@ export class Infeed {
         this.progress.value = share;
         if (took < 60) cycles *= 2;
         else if (took > 250) cycles = Math.max(500, cycles >> 1);
-        await this.plot();
+        draw(await plots());
       }
-      const found = JSON.parse(await runs.call("grinding_finish")) as Ground;
-      this.show(found);
-      this.stopped(`Ground: ${fixed(100 * found.imprint_ratio, 1)} % of the imprint remains.`);
+      const shown = JSON.parse(await runs.call("grinding_finish")) as Shown;
+      showTables(this.figures, shown);
+      this.stopped(shown.result);
     } catch (error) {
       if (mine === this.run) this.stopped("");
       this.desk.fail(error);
@@ -132,31 +122,5 @@ export class Infeed {
     this.progress.hidden = true;
     this.start.textContent = "Grind";
     this.desk.note(said);
-  }
-
-  private async plot(): Promise<void> {
-    const curve = (corrected: boolean, roundness: boolean) => this.desk.runs.call("grinding_curve", corrected, roundness);
-    for (const [plot, roundness] of [[this.roundness, true], [this.imprint, false]] as const) {
-      const [before, after] = await Promise.all([curve(false, roundness), curve(true, roundness)]);
-      const turns = Array.from(before, (_, i) => i + 1);
-      plot.set([turns, before, turns.map((_, i) => after[i] ?? null)]);
-    }
-  }
-
-  private show(found: Ground): void {
-    const row = (name: string, of: RunFigures) => [
-      name,
-      cell(of.roundness_um),
-      cell(of.imprint_um, 4),
-      ...[of.evaluated, of.skipped, of.discarded, of.limited_cycles].map((count) => ({ text: String(count), value: count })),
-    ];
-    const header = ["run", "roundness / µm", "imprint / µm", "revolutions evaluated", "skipped", "discarded", "cycles limited"];
-    const caption = `Mean of the last ${found.averaged_revolutions} revolutions; harmonics ${found.harmonics.join(" to ")} are corrected`;
-    const share = el("strong", { "data-value": String(found.imprint_ratio) }, `${fixed(100 * found.imprint_ratio, 1)} %`);
-    const limits = found.limits_exceeded === 0 ? "No correction exceeded a limit" : `In ${found.limits_exceeded} ${found.limits_exceeded === 1 ? "cycle" : "cycles"} a correction exceeded a limit`;
-    this.figures.replaceChildren(
-      table(caption, header, [row("without correction", found.uncorrected), row("with correction", found.corrected)]),
-      el("p", {}, share, ` of the imprint remains at a gain of ${found.gain}. ${limits}; ${found.cycles} servo cycles a run.`),
-    );
   }
 }

@@ -6,7 +6,7 @@ import { button, commandLine, debounce, el, section } from "../core/dom";
 import { onDrop, picker, save, text, type Given } from "../core/files";
 import { word } from "../core/shell";
 import { Angles } from "./angles";
-import type { CircleName, Noted, Probes, Request, Roundness, Trace } from "./documents";
+import type { CircleName, Noted, Probes, Request } from "./documents";
 import { Infeed, type GrindRequest } from "./infeed";
 import { Polar } from "./polar";
 import { Results } from "./results";
@@ -128,7 +128,7 @@ class Roundnesses {
       if (turn !== this.latest) return;
       // A response makes an earlier refusal obsolete at once, before its last plot is drawn.
       this.desk.clear();
-      await (trace ? this.showTrace(said) : this.show(said));
+      await this.show(said);
     } catch (error) {
       if (turn !== this.latest) return;
       this.about.textContent = `${name} could not be evaluated.`;
@@ -140,17 +140,10 @@ class Roundnesses {
   }
 
   private async show(said: string): Promise<void> {
-    const { document, shown, notes } = JSON.parse(said) as Noted<Roundness>;
-    this.say(`${document.revolutions} ${document.revolutions === 1 ? "revolution" : "revolutions"} of ${document.n} points`, notes, document.warnings);
+    const { warnings, shown, notes } = JSON.parse(said) as Noted;
+    this.say(shown.summary.join(", "), notes, warnings);
     await this.polar.draw();
-    await this.results.show(document, shown, this.settings.value.noise_gain_limit);
-  }
-
-  private async showTrace(said: string): Promise<void> {
-    const { document, shown, notes } = JSON.parse(said) as Noted<Trace>;
-    this.say(`${document.points} points of a trace`, notes, []);
-    this.results.showTrace(shown);
-    await this.polar.draw();
+    await this.results.show(shown);
   }
 
   private say(what: string, notes: string[], warnings: string[]): void {

@@ -7,7 +7,8 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use trueaxis::roundness::{GaugeSettings, ProbeAngles};
 use trueaxis_evaluation::probes::Probes;
-use trueaxis_sim::grinding::{Comparison, GrindingDocument, Request};
+use trueaxis_evaluation::simulated::grinding;
+use trueaxis_sim::grinding::{Comparison, Request};
 use trueaxis_tables::Machine;
 use wasm_bindgen::prelude::*;
 
@@ -75,27 +76,23 @@ pub fn grinding_advance(cycles: u32) -> Result<f64, Refusal> {
     to_js(advance(cycles))
 }
 
-fn curve(corrected: bool, roundness: bool) -> Result<Vec<f64>> {
-    COMPARISON.with_borrow(|comparison| {
-        let runs = comparison.as_ref().context(NOT_OPEN)?.revolutions();
-        let turns = runs[usize::from(corrected)].iter();
-        Ok(turns.map(|turn| if roundness { turn.roundness_um } else { turn.imprint_um }).collect())
-    })
+fn plots() -> Result<String> {
+    COMPARISON.with_borrow(|comparison| json(&grinding::plots(comparison.as_ref().context(NOT_OPEN)?.revolutions())))
 }
 
-/// Figure of every turn so far, µm: roundness, or root mean square of the corrected band.
+/// Plots of the revolutions so far.
 #[wasm_bindgen]
-pub fn grinding_curve(corrected: bool, roundness: bool) -> Result<Vec<f64>, Refusal> {
-    to_js(curve(corrected, roundness))
+pub fn grinding_plots() -> Result<String, Refusal> {
+    to_js(plots())
 }
 
 fn finish() -> Result<String> {
     let comparison = COMPARISON.take().context(NOT_OPEN)?;
-    let grinding = comparison.grinding().clone();
-    json(&GrindingDocument::new(&comparison.finish()?, &grinding)?)
+    let request = comparison.grinding().clone();
+    json(&grinding::shown(&request, &comparison.finish()?)?)
 }
 
-/// The document of `firmware-sim grind --json`, without the elapsed time.
+/// The result as `firmware-sim grind` shows it, without the elapsed time.
 #[wasm_bindgen]
 pub fn grinding_finish() -> Result<String, Refusal> {
     to_js(finish())
@@ -112,16 +109,20 @@ mod tests {
         assert!(advance(1).is_err() && finish().is_err());
         open(&grinding_machine(), &request.to_string()).unwrap();
         while advance(777).unwrap() < 1.0 {}
-        assert_eq!(curve(true, true).unwrap().len(), 8);
+        let drawn: Value = serde_json::from_str(&plots().unwrap()).unwrap();
         let found = finish().unwrap();
         let request: Request = serde_json::from_value(request).unwrap();
-        let grinding = request.grinding(sample().unwrap()).unwrap();
-        let whole = trueaxis_sim::grinding::simulate(&grinding, &mut |_| {}).unwrap();
-        let document = GrindingDocument::new(&whole, &grinding).unwrap();
+        let whole = request.grinding(sample().unwrap()).unwrap();
+        let outcome = trueaxis_sim::grinding::simulate(&whole, &mut |_| {}).unwrap();
+        let shown = grinding::shown(&whole, &outcome).unwrap();
         // Compared as texts, since numbers read back may differ in their last bit.
-        assert_eq!(found, trueaxis_evaluation::json::compact(&document).unwrap());
+        assert_eq!(found, trueaxis_evaluation::json::compact(&shown).unwrap());
         let found: Value = serde_json::from_str(&found).unwrap();
-        assert!(found["corrected"]["evaluated"].as_u64().unwrap() > 0);
+        assert_eq!(found["plots"], drawn);
+        assert_eq!(drawn[0]["curves"][1]["values"].as_array().unwrap().len(), 8);
+        let evaluated = found["tables"][0]["rows"].as_array().unwrap();
+        let evaluated = evaluated.iter().find(|row| row[0] == "revolutions evaluated").unwrap();
+        assert!(evaluated[2]["value"].as_f64().unwrap() > 0.0);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::cell::RefCell;
 use std::path::Path;
 use trueaxis_evaluation::rows::Rows;
-use trueaxis_evaluation::shown::Shown;
+use trueaxis_evaluation::shown::{Shown, Table};
 use trueaxis_evaluation::{circle, probe_angles, roundness};
 use trueaxis_sim::grinding;
 use wasm_bindgen::prelude::*;
@@ -27,10 +27,10 @@ thread_local! {
     static SEARCH: RefCell<Option<probe_angles::Search>> = const { RefCell::new(None) };
 }
 
-/// A document with its tables and plots, and the command line's notes.
+/// Tables and plots of an evaluation, its warnings, and the command line's notes.
 #[derive(Serialize)]
-struct Noted<D> {
-    document: D,
+struct Noted<'e> {
+    warnings: &'e [String],
     shown: Shown,
     notes: Vec<String>,
 }
@@ -46,12 +46,12 @@ fn evaluate(name: &str, text: &str, request: &str) -> Result<String> {
     notes.extend(readings.note(plan.points()));
     let separations = plan.separate(&readings, || {})?;
     let evaluation = plan.evaluate(&separations, &readings)?;
-    let document = json(&Noted { shown: plan.shown(&evaluation.document), document: &evaluation.document, notes });
+    let said = json(&Noted { warnings: &evaluation.document.warnings, shown: plan.shown(&evaluation), notes });
     EVALUATED.set(Evaluated::Readings(Box::new(evaluation)));
-    document
+    said
 }
 
-/// Evaluates readings of three probes: the document of `trueaxis roundness --json`, its tables and plots, notes.
+/// Evaluates readings of three probes as `trueaxis roundness` does: tables, plots, warnings, notes.
 #[wasm_bindgen]
 pub fn roundness_evaluate(name: &str, text: &str, request: &str) -> Result<String, Refusal> {
     to_js(evaluate(name, text, request))
@@ -63,12 +63,12 @@ fn trace(name: &str, text: &str) -> Result<String> {
     let mut rows = Rows::new(text.as_bytes(), Path::new(name), &circle::COLUMNS, |note| notes.push(note))?;
     let evaluation = circle::Evaluation::read(&mut rows)?;
     drop(rows);
-    let document = json(&Noted { document: evaluation.document(), shown: evaluation.shown(), notes });
+    let said = json(&Noted { warnings: &[], shown: evaluation.shown(), notes });
     EVALUATED.set(Evaluated::Trace(Box::new(evaluation)));
-    document
+    said
 }
 
-/// Reference circles of a trace: the document of `trueaxis circle --json`, its table, notes.
+/// Reference circles of a trace as `trueaxis circle` fits them: table, notes.
 #[wasm_bindgen]
 pub fn roundness_trace(name: &str, text: &str) -> Result<String, Refusal> {
     to_js(trace(name, text))
@@ -90,24 +90,6 @@ fn polar(lsc: bool, mzc: bool, mic: bool, mcc: bool) -> Result<String> {
 #[wasm_bindgen]
 pub fn roundness_polar(lsc: bool, mzc: bool, mic: bool, mcc: bool) -> Result<String, Refusal> {
     to_js(polar(lsc, mzc, mic, mcc))
-}
-
-fn curve(name: &str) -> Result<Vec<f64>> {
-    EVALUATED.with_borrow(|evaluated| {
-        let Evaluated::Readings(found) = evaluated else { anyhow::bail!("no readings have been evaluated") };
-        Ok(match name {
-            "profile" => found.profile.clone(),
-            "x" => found.x.mean_contour.clone(),
-            "y" => found.y.mean_contour.clone(),
-            _ => anyhow::bail!("found the curve {name}, needed profile, x or y"),
-        })
-    })
-}
-
-/// A curve of the latest evaluated readings over θ, µm: `profile`, or the mean contours `x` and `y` of the spindle.
-#[wasm_bindgen]
-pub fn roundness_curve(name: &str) -> Result<Vec<f64>, Refusal> {
-    to_js(curve(name))
 }
 
 fn orbit() -> Result<String> {
@@ -183,10 +165,22 @@ pub fn probe_angles_advance(steps: u32) -> Result<f64, Refusal> {
 
 const NO_SEARCH: &str = "no search has been prepared";
 
-/// The document of `trueaxis probe-angles --json`.
+/// The best pairs and their table.
+#[derive(Serialize)]
+struct Found {
+    best: Vec<probe_angles::Pair>,
+    table: Table,
+}
+
+fn finish() -> Result<String> {
+    let found = SEARCH.take().context(NO_SEARCH)?.finish()?;
+    json(&Found { table: found.table(), best: found.best })
+}
+
+/// The best pairs as `trueaxis probe-angles` lists them.
 #[wasm_bindgen]
 pub fn probe_angles_finish() -> Result<String, Refusal> {
-    to_js(SEARCH.take().context(NO_SEARCH).and_then(|search| json(&search.finish()?)))
+    to_js(finish())
 }
 
 #[cfg(test)]
@@ -199,22 +193,29 @@ mod tests {
         let sample: Value = serde_json::from_str(&sample().unwrap()).unwrap();
         let (text, request) = (sample["text"].as_str().unwrap(), sample["request"].to_string());
         let found: Value = serde_json::from_str(&evaluate("probes.csv", text, &request).unwrap()).unwrap();
-        let document = &found["document"];
-        assert_eq!((document["n"].as_u64(), document["revolutions"].as_u64()), (Some(1024), Some(8)));
-        assert_eq!(document["warnings"], json!([]));
+        assert_eq!(found["shown"]["summary"][0], "8 revolutions of 1024 points");
+        assert_eq!(found["warnings"], json!([]));
+        let plot = |title: &str| {
+            let plots = found["shown"]["plots"].as_array().unwrap();
+            plots.iter().find(|plot| plot["title"].as_str().unwrap().starts_with(title)).unwrap().clone()
+        };
         // The pin's lobes: 2 µm of the second harmonic, falling with k^1.5.
+        let amplitudes = plot("Amplitude of every harmonic");
         for (i, k) in [(0, 2.0_f64), (1, 3.0), (8, 10.0)] {
-            let amplitude = document["harmonics"][i]["amplitude_um"].as_f64().unwrap();
+            let amplitude = amplitudes["curves"][0]["values"][i].as_f64().unwrap();
+            assert_eq!(amplitudes["at"][i], k);
             assert!((amplitude - 2.0 * (2.0 / k).powf(1.5)).abs() < 0.01, "{k}: {amplitude}");
         }
-        assert_eq!(curve("x").unwrap().len(), 1024);
+        let motion = plot("Error motion of the spindle");
+        assert_eq!(motion["curves"].as_array().unwrap().len(), 6);
+        assert_eq!(motion["curves"][0]["values"].as_array().unwrap().len(), 1024);
         assert!(orbit().unwrap().contains("<svg"));
         let svg = polar(true, false, false, false).unwrap();
         assert!(svg.contains("LSC") && !svg.contains("MZC") && svg.contains("Magnification"));
 
         let error = evaluate("probes.csv", &text.replacen("\n", "\nx", 1), &request).unwrap_err();
         assert!(error.to_string().starts_with("probes.csv:2: column h1_um: found \"x"), "{error}");
-        assert!(polar(true, true, true, true).is_err() && curve("profile").is_err());
+        assert!(polar(true, true, true, true).is_err());
         let error = evaluate("probes.csv", text, &json!({"probes": {"n": 100}}).to_string()).unwrap_err();
         assert_eq!(error.to_string(), "--n: found 100, needed a power of two from 64 to 4096");
     }
@@ -223,10 +224,12 @@ mod tests {
     fn a_trace_has_four_circles() {
         let text = "x_mm,y_mm\n3,0\n0,3\n-3,0\n0,-3.002\n2,2\n";
         let found: Value = serde_json::from_str(&trace("t.csv", text).unwrap()).unwrap();
-        assert_eq!(found["document"]["points"], 5);
-        assert!(found["document"]["mcc"]["radius_mm"].as_f64().unwrap() > 3.0);
+        assert_eq!(found["shown"]["summary"][0], "5 points");
+        let (table, mcc) = (&found["shown"]["tables"][0], 2);
+        assert_eq!(table["header"][3], "radius, mm");
+        assert!(table["rows"][mcc][3]["value"].as_f64().unwrap() > 3.0);
         assert!(polar(false, false, true, true).unwrap().contains("MIC"));
-        assert!(curve("profile").is_err());
+        assert!(orbit().is_err());
     }
 
     /// The arrangement published in CN1927535, and one that is blind to every second harmonic.

@@ -3,12 +3,13 @@
 use super::image::Core;
 use super::outputs::Row;
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::time::Duration;
 use trueaxis::contour::Flags;
 use trueaxis::telemetry::Status;
 use trueaxis::temperature::Growth;
+use trueaxis_evaluation::shown::{Cell, Shown, Table};
 use trueaxis_recording::Header;
+use trueaxis_report::number::count;
 use trueaxis_tables::text::counted;
 
 /// Differences between two runs in nanometres, cycle by cycle.
@@ -171,55 +172,93 @@ impl Outcome {
         self.comparisons.iter().all(|one| one.is_equal() && one.is_within() && exchanged(one))
     }
 
-    /// The summary as plain text.
-    pub fn summary(&self) -> String {
+    /// Every core against the host.
+    pub fn shown(&self) -> Shown {
         let header = &self.header;
-        let mut text = format!(
-            "recording  {}, {} cycles at {} Hz{}\n",
-            header.name,
-            header.cycles,
-            1e9 / f64::from(header.period_ns),
-            if header.gauge { ", with a gauge" } else { "" }
-        );
-        for one in &self.comparisons {
-            let difference = &one.against_double;
-            let faults: Vec<String> =
-                one.faults.iter().map(|(code, n)| format!("{code} ({})", counted(*n, "cycle"))).collect();
-            let exchange = match (one.exchange_at, header.exchange_at) {
-                (Some(at), Some(asked)) => format!("requested in cycle {asked}, in force from {at}"),
-                (None, Some(asked)) => format!("requested in cycle {asked}, not made"),
-                _ => "none".to_owned(),
-            };
-            let growth = one.growth.map_or("none".to_owned(), |grown| {
+        let cycles = format!("{} cycles at {} Hz", count(header.cycles.into()), 1e9 / f64::from(header.period_ns));
+        let gauge = header.gauge.then(|| "with a gauge of three probes".into());
+        let result = if self.is_good() {
+            "In the same scalar image and host agree in every bit; single and double precision agree within 2 nm in 99.9 % of \
+             the cycles."
+        } else {
+            "Image and host do not agree, although they must: see the table."
+        };
+        Shown {
+            title: "Host and bare metal".into(),
+            summary: [format!("recording {}", header.name), cycles].into_iter().chain(gauge).collect(),
+            result: result.into(),
+            notes: vec!["the recording went through the step on this host and in QEMU, cycle by cycle".into()],
+            tables: vec![self.cycles(), self.differences(), self.events()],
+            ..Shown::default()
+        }
+    }
+
+    fn table(&self, caption: &str, rows: &[(&str, &dyn Fn(&Comparison) -> Cell)]) -> Table {
+        let cores = self.comparisons.iter().map(|one| one.core.title());
+        let rows = rows
+            .iter()
+            .map(|(name, of)| std::iter::once((*name).into()).chain(self.comparisons.iter().map(of)).collect());
+        Table::new(caption, std::iter::once("").chain(cores), rows)
+    }
+
+    fn cycles(&self) -> Table {
+        self.table(
+            "Image against host, in the same scalar",
+            &[
+                ("cycles in the image", &|one| Cell::count(one.cycles)),
+                ("cycles on the host", &|one| Cell::count(one.cycles_on_host)),
+                ("differing in a bit", &|one| Cell::count(one.differing)),
+                ("telemetry records", &|one| Cell::count(one.frames)),
+                ("damaged", &|one| Cell::count(one.frames_damaged)),
+                ("contradicting the outputs", &|one| Cell::count(one.frames_contradicting)),
+                ("revolutions of the gauge", &|one| Cell::count(one.revolutions)),
+                ("wall time of the image, s", &|one| Cell::fixed(one.took.as_secs_f64(), 1)),
+            ],
+        )
+    }
+
+    fn differences(&self) -> Table {
+        self.table(
+            "Image against host in double precision",
+            &[
+                ("correction, 99.9 % of the cycles, nm", &|one| Cell::fixed(one.against_double.correction_p99_9_nm, 3)),
+                ("correction, all, nm", &|one| Cell::fixed(one.against_double.correction_max_nm, 3)),
+                ("contour error, 99.9 %, nm", &|one| Cell::fixed(one.against_double.contour_p99_9_nm, 3)),
+                ("contour error, all, nm", &|one| Cell::fixed(one.against_double.contour_max_nm, 3)),
+                ("cycles with another foot or fault", &|one| Cell::count(one.against_double.other)),
+            ],
+        )
+    }
+
+    fn events(&self) -> Table {
+        let exchange = |one: &Comparison| match (one.exchange_at, self.header.exchange_at) {
+            (Some(at), Some(asked)) => format!("requested in cycle {asked}, in force from {at}").into(),
+            (None, Some(asked)) => format!("requested in cycle {asked}, not made").into(),
+            _ => "none".into(),
+        };
+        let growth = |one: &Comparison| {
+            one.growth.map_or("none".into(), |grown| {
                 let [least, most] = grown.offset_mm.map(|mm| 1e3 * mm);
                 let times = counted(grown.in_force, "time");
-                format!("{times} in force, {} with a frozen share, {least:.1} to {most:.1} µm", grown.not_good)
-            });
-            let _ = write!(
-                text,
-                "\n{}\n  cycles in the image {}, on the host {}, differing in a bit {}\n  telemetry {} records, {} damaged, \
-                 {} contradicting; revolutions {}, {}\n  exchange of tables {exchange}\n  thermal growth {growth}\n  against double precision, 99.9 % of \
-                 the cycles and all: correction {:.3}, {:.3} nm, contour error {:.3}, {:.3} nm; other foot or fault in {} \
-                 cycles\n  faults {}\n  wall time {:.1} s\n",
-                one.core.title(),
-                one.cycles,
-                one.cycles_on_host,
-                one.differing,
-                one.frames,
-                one.frames_damaged,
-                one.frames_contradicting,
-                one.revolutions,
-                if one.revolutions_equal { "as on the host" } else { "NOT as on the host" },
-                difference.correction_p99_9_nm,
-                difference.correction_max_nm,
-                difference.contour_p99_9_nm,
-                difference.contour_max_nm,
-                difference.other,
-                if faults.is_empty() { "none".to_owned() } else { faults.join(", ") },
-                one.took.as_secs_f64(),
-            );
-        }
-        text
+                format!("{times} in force, {} with a frozen share, {least:.1} to {most:.1} µm", grown.not_good).into()
+            })
+        };
+        let faults = |one: &Comparison| {
+            let faults = one.faults.iter().map(|(code, n)| format!("{code} ({})", counted(*n, "cycle")));
+            let faults: Vec<String> = faults.collect();
+            if faults.is_empty() { "none".into() } else { faults.join(", ").into() }
+        };
+        let revolutions =
+            |one: &Comparison| if one.revolutions_equal { "as on the host" } else { "NOT as on the host" };
+        self.table(
+            "Events",
+            &[
+                ("revolutions of the gauge", &|one| revolutions(one).into()),
+                ("exchange of tables", &exchange),
+                ("thermal growth", &growth),
+                ("faults: code (cycles)", &faults),
+            ],
+        )
     }
 
     /// The document that `--json` prints.

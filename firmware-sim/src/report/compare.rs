@@ -1,72 +1,20 @@
-//! The HTML report of a comparison.
+//! The figures on the page of a comparison.
 
 use crate::compare::outputs::Row as Cycle;
 use crate::compare::{Comparison, Outcome};
 use maud::{Markup, html};
 use trueaxis::contour::Flags;
-use trueaxis_report::{
-    Colour, Figure, Page, Row, Scale, Stroke, Table, colour, decimate, emphasised,
-    number::{count, significant},
-    side_by_side,
-};
+use trueaxis_evaluation::shown::Shown;
+use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, decimate, side_by_side};
 
 /// Buckets of a curve: the width of the widest figure in px.
 const BUCKETS: usize = 1040;
 
 /// The page as one HTML document that is also well-formed XML.
 #[must_use]
-pub fn render(outcome: &Outcome) -> String {
+pub fn render(outcome: &Outcome, shown: &Shown) -> String {
     let period_s = 1e-9 * f64::from(outcome.header.period_ns);
-    let page = Page::new("Host and bare metal").top(summary(outcome));
-    let cores = outcome.comparisons.iter();
-    cores.fold(page, |page, one| page.section(one.core.title(), core(one, period_s))).document()
-}
-
-fn summary(outcome: &Outcome) -> Markup {
-    let header = &outcome.header;
-    let rate = significant(1e9 / f64::from(header.period_ns), 6);
-    let mut parts = vec![
-        emphasised("recording", &header.name),
-        html! { (count(u64::from(header.cycles))) " cycles at " (rate) " Hz" },
-    ];
-    if header.gauge {
-        parts.push(html! { "with a gauge of three probes" });
-    }
-    html! {
-        (trueaxis_report::summary(parts))
-        p.result {
-            @if outcome.is_good() {
-                "In the same scalar image and host agree in " strong { "every bit" } "; single and double precision agree \
-                 within " strong { "2 nm" } " in 99.9 % of the cycles."
-            } @else {
-                strong { "Image and host do not agree" } ", although they must: see the table."
-            }
-        }
-        p { "The same recording went through the step on this host and through the bare-metal image in QEMU, cycle by cycle." }
-        (table(outcome))
-    }
-}
-
-fn table(outcome: &Outcome) -> Table {
-    let row = |one: &Comparison| {
-        let of = &one.against_double;
-        let [a, b, c, d] = [of.correction_p99_9_nm, of.correction_max_nm, of.contour_p99_9_nm, of.contour_max_nm]
-            .map(|nm| significant(nm, 3));
-        let [cycles, differing, other] = [one.cycles, one.differing, of.other].map(|n| count(n as u64));
-        Row::new(one.core.title(), [cycles, differing, a, b, c, d, other])
-    };
-    let head = [
-        "",
-        "cycles",
-        "differing in a bit",
-        "correction, 99.9 %",
-        "max",
-        "contour error, 99.9 %",
-        "max",
-        "other foot or fault",
-    ];
-    let rows = outcome.comparisons.iter().map(row);
-    Table::new(head, rows).caption("Image against host; against double precision in nm")
+    shown.page("", outcome.comparisons.iter().map(|one| (one.core.title(), core(one, period_s))))
 }
 
 /// A curve over time with its entry in the legend.

@@ -43,7 +43,7 @@ pub fn lags(outcome: &Outcome) -> impl Iterator<Item = (&str, f64)> {
     sensors.chain(model.spindle.iter().map(|spindle| ("spindle", spindle.lag_s)))
 }
 
-/// Drift and what is left of it, lags, and the corrections in the step.
+/// Drift and its remainder, lags, and the corrections in the step.
 #[must_use]
 pub fn shown(warming: &Warming, outcome: &Outcome) -> Shown {
     let row = |name: String, [drift, left]: [f64; 2]| {

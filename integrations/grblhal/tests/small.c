@@ -1,5 +1,5 @@
 /* A controller of 256 KiB of flash and 64 KiB of RAM: the plugin on nine terms, and a servo loop that corrects, measures
- * the contour error against lines and sends records. Prints the memory that is left.
+ * the contour error against lines and sends records. Prints the remaining memory.
  * SPDX-License-Identifier: MIT OR Apache-2.0 */
 #include <math.h>
 #include <stdio.h>

@@ -11,7 +11,7 @@ use crate::rewrite::{RefusedMutants, Rewritten, rewrite};
 
 /// The switch crate: which mutant is on.
 const SWITCH: &str = include_str!("../switch.rs");
-/// Its manifest, with a workspace of its own beside the copy.
+/// Its manifest, with a separate workspace beside the copy.
 const SWITCH_MANIFEST: &str = "\
 [package]
 name = \"mutant-switch\"

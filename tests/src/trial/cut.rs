@@ -1,4 +1,4 @@
-//! What a cut adds to a plant: a side load and chatter.
+//! Load of a cut on a plant: a side load and chatter.
 
 use serde::Serialize;
 use std::f64::consts::TAU;

@@ -1,4 +1,4 @@
-//! What is left on a track: the contour error and what vibrates in it.
+//! Remaining error on a track: the contour error and the vibration in it.
 
 use serde::Serialize;
 use std::f64::consts::TAU;

@@ -1,5 +1,5 @@
 //! A trial of the dynamic correction on a family of plants that it does not know: two masses with a resonance, friction on the
-//! load, play and a cut, their drives sound by themselves.
+//! load, play and a cut, their drives sound without the plugin.
 
 mod cut;
 mod error;
@@ -81,7 +81,7 @@ impl Case {
 }
 
 /// Runs `plants` plants on `jobs` threads until `stop` is set; `progress` is called after each. Returns the cases in order of
-/// their numbers, and how many drawn plants were not sound by themselves.
+/// their numbers, and how many drawn plants were not sound without the plugin.
 pub fn trial(
     seed: u64,
     plants: usize,

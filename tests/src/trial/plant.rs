@@ -1,4 +1,4 @@
-//! Plants of the family, and whether their drives are sound by themselves.
+//! Plants of the family, and whether their drives are sound without the plugin.
 
 use serde::Serialize;
 use trueaxis::machine::{DriveFigures, FrictionSettings};
@@ -9,10 +9,10 @@ use trueaxis_testing::noise::Noise;
 const STEP_MM: f64 = 1e-3;
 /// Largest overshoot of a sound drive, share of the step.
 const OVERSHOOT: f64 = 0.4;
-/// What a sound drive may still move 0.3 s after a step, share of the step.
+/// Largest motion of a sound drive 0.3 s after a step, share of the step.
 const LEFT: f64 = 0.02;
 
-/// What the plugin is told of the resonances.
+/// Resonances as stated to the plugin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resonance {
     /// Nothing: any resonance above 100 Hz is assumed.
@@ -21,7 +21,7 @@ pub enum Resonance {
     Stated,
 }
 
-/// What the plugin is told of both drives, and the two drives as they are.
+/// Both drives as stated to the plugin, and as they are.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Plant {
     /// Servo period, s.
@@ -33,7 +33,7 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// The next plant of the family whose drives are sound by themselves: a servo at 1 or 2 kHz, resonances of 25 to 300 Hz with
+    /// The next plant of the family whose drives are sound without the plugin: a servo at 1 or 2 kHz, resonances of 25 to 300 Hz with
     /// 1 to 10 % damping, load shares of 0.2 to 0.8, friction ±50 %, gains ±10 %, play of 0 to 10 µm, dead time of 0 to 3
     /// cycles. `refused` counts those that are not.
     pub fn draw(random: &mut Noise, refused: &mut usize) -> Plant {

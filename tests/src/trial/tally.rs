@@ -8,7 +8,7 @@ use trueaxis_sim::plant::drive::ScaleAt;
 /// Ratio from which an error counts as worse than without any part.
 const WORSE: f64 = 1.05;
 
-/// What one combination of parts did to a group of plants, compared with no part.
+/// Effect of one combination of parts on a group of plants, compared with no part.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// The parts.
@@ -19,7 +19,7 @@ pub struct Row {
     pub worse: usize,
     /// Plants on which either is more than twice as large.
     pub doubled: usize,
-    /// Plants that vibrate at the end of the run as they do not by themselves.
+    /// Plants that vibrate at the end of the run but not without the plugin.
     pub unstable: usize,
     /// Plants with more motion at the frequency of their chatter.
     pub chatter: usize,

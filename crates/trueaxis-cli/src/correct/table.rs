@@ -6,6 +6,7 @@ use std::fmt::Write;
 use trueaxis::machine::{AXES, Axis};
 use trueaxis_evaluation::correct::CorrectionAt;
 use trueaxis_evaluation::model::name as model;
+use trueaxis_evaluation::shown::{Cell, Table};
 use trueaxis_tables::Machine;
 use trueaxis_tables::text::{fixed, short};
 
@@ -68,33 +69,36 @@ pub(super) fn text(machine: &Machine, asked: &Asked, found: &CorrectionAt) -> St
     let sign = |axis: Axis| if asked.query.reverse[axis.index()] { '-' } else { '+' };
     let _ = write!(text, "travel {}", list(&found.axes, &|axis| format!("{}{}", sign(axis), axis.letter())));
     let kelvin = if asked.query.kelvin == 0.0 { String::new() } else { format!(", {} K", short(asked.query.kelvin)) };
-    let _ = writeln!(text, "{}\n", kelvin.replacen(", ", "; above the reference temperature by ", 1));
+    let _ = writeln!(text, "{}", kelvin.replacen(", ", "; above the reference temperature by ", 1));
+    text += &linear_axes(found).to_string();
+    if !rotary_axes(found).is_empty() {
+        let row = |name: &str, values: &[f64; AXES]| {
+            let values = rotary_axes(found).iter().map(|axis| cell(values[axis.index()], 6));
+            std::iter::once(name.into()).chain(values).collect()
+        };
+        let rows = [row("correction, °", &found.correction), row("command, °", &command(found))];
+        let header = rotary_axes(found).iter().map(|axis| axis.letter().to_string());
+        text += &Table::new("", std::iter::once(String::new()).chain(header), rows).to_string();
+    }
+    text
+}
 
-    let _ = writeln!(text, "{:26}{:>12}{:>12}{:>12}", "", "X", "Y", "Z");
-    let mut row = |name: &str, [x, y, z]: [f64; 3], decimals: usize| {
-        let [x, y, z] = [x, y, z].map(|value| fixed(value, decimals));
-        let _ = writeln!(text, "{name:26}{x:>12}{y:>12}{z:>12}");
+/// With a plain minus sign: commands are copied from here to a control.
+fn cell(value: f64, decimals: usize) -> Cell {
+    Cell::Number { text: fixed(value, decimals), value }
+}
+
+fn linear_axes(found: &CorrectionAt) -> Table {
+    let row = |name: String, values: [f64; 3], decimals| {
+        std::iter::once(name.into()).chain(values.map(|value| cell(value, decimals))).collect()
     };
     let um = |mm: [f64; 3]| mm.map(|mm| mm * 1e3);
-    row("error of the tip, µm", um(found.tip), 3);
-    for (source, share) in &found.contributions {
-        row(&format!("  of {source}"), um(*share), 3);
-    }
-    if let Some(rad) = found.orientation {
-        row("rotation of the tool, µrad", rad.map(|rad| rad * 1e6), 3);
-    }
-    row("correction, mm", linear(&found.correction), 6);
-    row("command, mm", linear(&command(found)), 6);
-    if rotary_axes(found).is_empty() {
-        return text;
-    }
-    text.push('\n');
-    let mut row = |name: &str, of: &dyn Fn(Axis) -> String| {
-        let cells: String = rotary_axes(found).iter().map(|axis| format!("{:>12}", of(*axis))).collect();
-        let _ = writeln!(text, "{name:26}{cells}");
-    };
-    row("", &|axis| axis.letter().to_string());
-    row("correction, °", &|axis| fixed(found.correction[axis.index()], 6));
-    row("command, °", &|axis| fixed(command(found)[axis.index()], 6));
-    text
+    let sources = found.contributions.iter().map(|(source, share)| row(format!("  of {source}"), um(*share), 3));
+    let rotation = found.orientation.map(|rad| row("rotation of the tool, µrad".into(), rad.map(|rad| rad * 1e6), 3));
+    let rows = [row("error of the tip, µm".into(), um(found.tip), 3)].into_iter().chain(sources).chain(rotation);
+    let commands = [
+        row("correction, mm".into(), linear(&found.correction), 6),
+        row("command, mm".into(), linear(&command(found)), 6),
+    ];
+    Table::new("", ["", "X", "Y", "Z"], rows.chain(commands))
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use trueaxis_evaluation::learn::Record;
-use trueaxis_evaluation::shown::{Cell, Curve, Look, Plot, Shown, Table};
+use trueaxis_evaluation::shown::{Cell, Curve, Plot, Shown, Table};
 use trueaxis_metrology::learning::{Law, Lesson};
 use trueaxis_tables::text::counted;
 
@@ -109,10 +109,9 @@ impl LearnDocument {
             title: format!("{section}, over path length"),
             x: ("path length".into(), "mm"),
             y: (quantity, "µm"),
-            look: Look::Line,
-            caption: "",
             at: (0..nodes.len()).map(|k| k as f64 * self.spacing_mm).collect(),
             curves: ["X", "Y", "Z"].into_iter().enumerate().map(curve).collect(),
+            ..Plot::default()
         }
     }
 }

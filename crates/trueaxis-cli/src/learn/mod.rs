@@ -12,6 +12,7 @@ use std::fs::File;
 use std::path::PathBuf;
 use trueaxis::learned::Learned;
 use trueaxis_evaluation::learn::{COLUMNS, Record};
+use trueaxis_evaluation::model;
 use trueaxis_metrology::learning::{DEFAULT_CUTOFF_MM, DEFAULT_FORGET, DEFAULT_GAIN, Law, Lesson};
 use trueaxis_tables::output::Outputs;
 
@@ -75,10 +76,7 @@ pub(crate) fn run(arguments: &LearnArgs) -> Result<()> {
         let input = File::open(file).with_context(|| format!("cannot read {}", file.display()))?;
         Record::read(input, file, || csv_in::open(file, &COLUMNS, "cycles"))?
     };
-    let bytes = arguments
-        .table
-        .as_ref()
-        .map(|table| std::fs::read(table).with_context(|| format!("--table: cannot read {}", table.display())));
+    let bytes = arguments.table.as_ref().map(|table| model::bytes(table).context("--table"));
     let bytes = bytes.transpose()?;
     let old = match (&arguments.table, &bytes) {
         (Some(table), Some(bytes)) => {

@@ -2,7 +2,6 @@
 
 pub(crate) mod helicoid;
 pub(crate) mod identify;
-pub(crate) mod roundness;
 pub(crate) mod uncertainty;
 
 use anyhow::Result;

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
+use trueaxis_evaluation::shown::{Cell, Table};
 use trueaxis_tables::collapse::{CollapseError, CollapseOptions, Collapsed, Deviation, GridAdvice, collapse};
 use trueaxis_tables::formats::machine_files;
 use trueaxis_tables::limits::raise;
@@ -223,29 +224,25 @@ fn advice(collapsed: &Collapsed) -> Option<String> {
 }
 
 fn report(collapsed: &Collapsed) -> String {
-    let mut text = format!("working volume {} mm\n", volume_text(collapsed));
     let [x, y, z] = collapsed.reference_mm;
-    let _ = writeln!(text, "cross terms zero at {x}, {y}, {z} mm; {} points, um\n", collapsed.evaluated);
-    let _ = writeln!(text, "{:26}{:>8}{:>8}{:>24}   worst at, mm", "", "max", "RMS", "RMS along X, Y, Z");
-    for (name, of) in [
+    let row = |(name, of): (&str, &Deviation)| {
+        let um = [of.max_mm, of.rms_mm].into_iter().chain(of.rms_along_mm).map(|mm| Cell::fixed(mm * 1e3, 2));
+        let [x, y, z] = of.at_mm;
+        std::iter::once(name.into()).chain(um).chain([format!("{x:.1}, {y:.1}, {z:.1}").into()]).collect()
+    };
+    let rows = [
         ("error of the tip", &collapsed.before),
         ("left, tables as they are", &collapsed.original),
         ("left, collapsed tables", &collapsed.after),
-    ] {
-        let [rx, ry, rz] = of.rms_along_mm.map(|mm| mm * 1e3);
-        let [x, y, z] = of.at_mm;
-        let _ = writeln!(
-            text,
-            "{name:26}{:8.2}{:8.2}{rx:8.2}{ry:8.2}{rz:8.2}   {x:.1}, {y:.1}, {z:.1}",
-            of.max_mm * 1e3,
-            of.rms_mm * 1e3
-        );
-    }
-    let _ = writeln!(text, "\n{}", verdict(collapsed));
-    if let Some(advice) = advice(collapsed) {
-        let _ = writeln!(text, "{advice}");
-    }
-    text
+    ];
+    let header = ["µm", "max", "RMS", "RMS along X", "along Y", "along Z", "worst at, mm"];
+    let table = Table::new(format!("{} points", collapsed.evaluated), header, rows.map(row));
+    let lines = std::iter::once(verdict(collapsed)).chain(advice(collapsed)).map(|line| line + "\n");
+    format!(
+        "working volume {} mm\ncross terms zero at {x}, {y}, {z} mm\n\n{table}\n{}",
+        volume_text(collapsed),
+        lines.collect::<String>()
+    )
 }
 
 fn document(collapsed: &Collapsed) -> Value {

@@ -2,10 +2,11 @@
 
 use crate::model::{self, parsed};
 use crate::output::{json, print, report_line};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use std::path::Path;
 use trueaxis::tcomp::Tcomp;
 use trueaxis_evaluation::check::{CheckDocument, Findings, findings};
+use trueaxis_evaluation::model::bytes;
 use trueaxis_tables::files::Folder;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
@@ -67,7 +68,7 @@ pub(super) fn compile(path: &Path, rate_hz: f64, output: &Path) -> Result<()> {
 }
 
 pub(super) fn show(file: &Path, as_json: bool) -> Result<()> {
-    let bytes = std::fs::read(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let bytes = bytes(file)?;
     let tables: Tcomp<'_> = parsed(&bytes, file)?;
     if as_json { json(&summary(&tables)) } else { print(&format!("{}\n", summary(&tables))) }
 }

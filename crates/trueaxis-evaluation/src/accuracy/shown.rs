@@ -96,7 +96,7 @@ impl AccuracyDocument {
     }
 }
 
-/// Figures of the tables themselves, an axis a column; those of scatter are left out.
+/// Figures of the tables themselves, an axis a column, without those of scatter.
 pub fn of_tables(machine: &Machine) -> Table {
     let axes: Vec<Accuracy> = machine.settings.axes.iter().filter_map(|own| of_table(machine, own.axis)).collect();
     let header = axes.iter().map(|own| format!("{}, {}", own.axis, unit(own.unit)));

@@ -4,7 +4,7 @@ use super::Test;
 use crate::shown::{Around, Polar};
 
 impl Test {
-    /// Deviation of the radius about the fitted centre, and what the fitted causes leave of it, over both directions recorded.
+    /// Deviation of the radius about the fitted centre, and its remainder after the fitted causes, over both directions recorded.
     pub fn polars(&self) -> Vec<Polar> {
         let parts = [
             ("Deviation", "Deviation of the radius, seen from the circle's centre"),

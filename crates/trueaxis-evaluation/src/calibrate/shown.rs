@@ -79,6 +79,7 @@ fn curves(found: &Calibration, axis: Axis) -> Option<Plot> {
         caption: BARS,
         curves: curves.collect(),
         at,
+        ..Plot::default()
     })
 }
 
@@ -104,5 +105,6 @@ fn drift(found: &Calibration) -> Option<Plot> {
         caption: BARS,
         at: knots.iter().map(|(time_s, _)| time_s / 60.0).collect(),
         curves: curves.collect(),
+        ..Plot::default()
     })
 }

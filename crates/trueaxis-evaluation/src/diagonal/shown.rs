@@ -99,6 +99,7 @@ impl DiagonalDocument {
                 caption: BARS,
                 at: shape.points.iter().map(|point| point.position_mm).collect(),
                 curves: curves.collect(),
+                ..Plot::default()
             }
         })
     }
@@ -136,5 +137,6 @@ fn deviations(test: &Test) -> Plot {
         caption: "Targets on the diagonals: ISO 230-6.",
         at,
         curves,
+        ..Plot::default()
     }
 }

@@ -1,7 +1,7 @@
 //! The curves drawn: following errors of the record, spikes at the reversals, circles.
 
 use super::Recording;
-use crate::shown::{Around, Curve, Look, Plot, Polar};
+use crate::shown::{Around, Curve, Plot, Polar};
 use anyhow::{Result, anyhow};
 use serde::Serialize;
 use trueaxis::Axis;
@@ -23,10 +23,10 @@ fn spike_plot(axis: Axis, of: &Spike, caption: &'static str, curves: &[(&str, us
         title: format!("Axis {letter}, {acceleration} mm/s² at the reversal, mean of {}", of.reversals),
         x: ("time after the reversal".into(), "ms"),
         y: ("following error", "µm"),
-        look: Look::Line,
         caption,
         at: micro(&of.time_s[..length]),
         curves: curves.iter().map(curve).collect(),
+        ..Plot::default()
     }
 }
 

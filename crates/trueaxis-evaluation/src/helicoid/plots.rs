@@ -1,7 +1,7 @@
 //! Displacements over one parameter, with one curve for each of several values of the other.
 
 use super::{HelicoidDocument, Point};
-use crate::shown::{Curve, Look, Plot};
+use crate::shown::{Curve, Plot};
 use trueaxis_report::number::shortest;
 
 /// Colours of the curves.
@@ -58,10 +58,10 @@ pub(super) fn displacements(document: &HelicoidDocument) -> Vec<Plot> {
             title: format!("Displacement of {name} over {letter} in rad"),
             x: (letter.into(), "rad"),
             y: (name, unit),
-            look: Look::Line,
             caption: if are_one { "The curves lie on one another." } else { "" },
             at: curves.first().map_or(Vec::new(), |points| points.iter().map(|point| along(point)).collect()),
             curves: curves.iter().zip(drawn).zip(COLOURS).map(curve).collect(),
+            ..Plot::default()
         }
     };
     DISPLACEMENTS.map(plot).into()

@@ -94,6 +94,7 @@ impl IdentificationDocument {
             caption: BARS,
             at: of(&|angle| angle.angle_deg),
             curves: curves.collect(),
+            ..Plot::default()
         }
     }
 }

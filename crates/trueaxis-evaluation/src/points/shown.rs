@@ -81,6 +81,7 @@ fn errors(found: &PointsFit) -> Vec<Plot> {
                 caption: BARS,
                 at: found.basis.nodes_mm[axis].clone(),
                 curves,
+                ..Plot::default()
             });
         }
     }
@@ -99,9 +100,9 @@ fn residuals(points: &Points, found: &PointsFit) -> impl Iterator<Item = Plot> {
             x: (letter.to_string(), "mm"),
             y: ("left", "µm"),
             look: Look::Points,
-            caption: "",
             at,
             curves: Plot::along(&left),
+            ..Plot::default()
         }
     })
 }

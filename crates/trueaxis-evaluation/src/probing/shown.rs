@@ -93,5 +93,6 @@ fn form(record: &Record) -> Option<Plot> {
         caption: "Less half the diameter of the run's least-squares circle or sphere.",
         at,
         curves: vec![Curve::new("all runs", 0, values)],
+        ..Plot::default()
     })
 }

@@ -60,5 +60,6 @@ fn over_readings(section: &'static str, title: &str, name: &'static str, rows_mm
         caption: "In the order of the record, in the machine's directions.",
         at: (1..=rows.len()).map(|number| number as f64).collect(),
         curves: Plot::along(&rows),
+        ..Plot::default()
     }
 }

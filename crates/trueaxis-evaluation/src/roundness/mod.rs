@@ -10,7 +10,7 @@ mod trace;
 pub use document::{
     Centres, Circles, Evaluation, HarmonicEntry, Revolution, RoundnessDocument, Spindle, SpindleDirection, Zones,
 };
-pub use orbit::{DRAWN_REVOLUTIONS, motion_scale, orbit};
+pub use orbit::orbit;
 pub use polar::polar;
 pub use trace::{InterpolationError, Resampling};
 

@@ -5,10 +5,10 @@ use trueaxis_report::{Figure, Scale, Stroke, colour};
 
 /// Number of single revolutions drawn: the last ones. Skipping at intervals could hide a pattern that repeats every second
 /// one.
-pub const DRAWN_REVOLUTIONS: usize = 30;
+const DRAWN_REVOLUTIONS: usize = 30;
 
 /// A scale that covers both directions of the error motion.
-pub fn motion_scale(evaluation: &Evaluation, caption: &str) -> Scale {
+fn motion_scale(evaluation: &Evaluation, caption: &str) -> Scale {
     let (x, y) = (&evaluation.x.revolutions, &evaluation.y.revolutions);
     Scale::symmetric(caption, x.iter().chain(y).copied())
 }

@@ -1,13 +1,16 @@
 //! Tables and plots of roundness and spindle error.
 
-use super::{Plan, Revolution, RoundnessDocument, SpindleDirection, Zones};
+use super::{Evaluation, HarmonicEntry, Plan, Revolution, RoundnessDocument, SpindleDirection, Zones};
 use crate::circle::NAMES;
 use crate::shown::{Cell, Curve, Look, Plot, Shown, Table};
-use trueaxis_report::number::shortest;
+use trueaxis_metrology::spindle::ErrorMotion;
+use trueaxis_report::number::{shortest, significant};
 use trueaxis_tables::text::counted;
 
 /// The two directions of the spindle's error motion.
 const DIRECTIONS: [&str; 2] = ["X, across probe 1", "Y, along probe 1"];
+/// A limit above this many times the largest gain is only stated: drawn, it would flatten the columns.
+const WITHIN: f64 = 30.0;
 
 impl Zones {
     /// In the order of [`trueaxis_report::CIRCLES`].
@@ -17,8 +20,10 @@ impl Zones {
 }
 
 impl Plan {
-    /// Zones of the profile, error motion of the spindle, and their development over the revolutions.
-    pub fn shown(&self, document: &RoundnessDocument) -> Shown {
+    /// Zones of the profile, error motion of the spindle; profile, harmonics and motion over the angle, and the development over
+    /// the revolutions.
+    pub fn shown(&self, evaluation: &Evaluation) -> Shown {
+        let document = &evaluation.document;
         let filter = document.upr.map_or("no filter".to_owned(), |upr| format!("Gaussian filter {upr} UPR"));
         let revolutions = counted(document.revolutions, "revolution");
         let [phi2, phi3] = [self.gain().phi2(), self.gain().phi3()].map(|phi| shortest(phi.to_degrees()));
@@ -33,13 +38,108 @@ impl Plan {
                 format!("{revolutions} of {} points", document.n),
                 format!("φ2 = {phi2}°, φ3 = {phi3}°"),
                 filter,
+                self.gains(document),
             ],
             notes,
             tables: vec![zones(caption, document), spindle(document)],
-            plots: development(&document.per_revolution),
+            plots: [profile(&evaluation.profile)]
+                .into_iter()
+                .chain(self.harmonics(&document.harmonics))
+                .chain([motion([&evaluation.x, &evaluation.y])])
+                .chain(development(&document.per_revolution))
+                .collect(),
             ..Shown::default()
         }
     }
+
+    /// Suppressed harmonics, the largest noise gain and its limit.
+    fn gains(&self, document: &RoundnessDocument) -> String {
+        let suppressed = document.harmonics.iter().filter(|of| of.suppressed).map(|of| of.k.to_string());
+        let suppressed: Vec<String> = suppressed.collect();
+        let which =
+            if suppressed.is_empty() { "no harmonic".into() } else { format!("harmonics {}", suppressed.join(", ")) };
+        let worst = significant(worst_gain(&document.harmonics), 3);
+        let limit = shortest(self.noise_gain_limit);
+        format!("{which} suppressed: noise gain up to {worst}, limit {limit}")
+    }
+
+    fn harmonics(&self, harmonics: &[HarmonicEntry]) -> [Plot; 2] {
+        let values = |suppressed: bool, value: fn(&HarmonicEntry) -> f64| {
+            harmonics.iter().map(|of| if of.suppressed == suppressed { value(of) } else { f64::NAN }).collect()
+        };
+        let plot = |title: &str, y, caption, curves| Plot {
+            section: "Harmonics",
+            title: title.into(),
+            x: ("undulations per revolution".into(), ""),
+            y,
+            look: Look::Columns,
+            caption,
+            at: harmonics.iter().map(|of| of.k.into()).collect(),
+            curves,
+            ..Plot::default()
+        };
+        let limit = self.noise_gain_limit;
+        let amplitudes = Curve::new("amplitude", 6, values(false, |of| of.amplitude_um));
+        let kept = Curve::new("kept", 7, values(false, |of| of.noise_gain));
+        let suppressed = Curve::new("suppressed", 4, values(true, |of| of.noise_gain));
+        [
+            plot(
+                "Amplitude of every harmonic",
+                ("amplitude", "µm"),
+                "Of the mean profile, before the filter; a suppressed harmonic has none.",
+                vec![amplitudes],
+            ),
+            Plot {
+                logarithmic: true,
+                limit: Some(limit).filter(|limit| *limit < WITHIN * worst_gain(harmonics)),
+                ..plot(
+                    "Noise gain of every harmonic",
+                    ("noise gain", ""),
+                    "How much the probes' noise grows in each harmonic of the profile.",
+                    vec![kept, Curve { dashed: true, ..suppressed }],
+                )
+            },
+        ]
+    }
+}
+
+fn worst_gain(harmonics: &[HarmonicEntry]) -> f64 {
+    harmonics.iter().map(|of| of.noise_gain).fold(1.0, f64::max)
+}
+
+/// Curves over the angle of a revolution.
+fn over_angle(section: &'static str, title: &str, y: (&'static str, &'static str), curves: Vec<Curve>) -> Plot {
+    let points = curves.first().map_or(0, |curve| curve.values.len());
+    let at = (0..points).map(|i| 360.0 * i as f64 / points as f64).collect();
+    Plot { section, title: title.into(), x: ("θ".into(), "°"), y, at, curves, ..Plot::default() }
+}
+
+fn profile(profile: &[f64]) -> Plot {
+    let curve = Curve::new("profile", 8, profile.to_vec());
+    over_angle("Profile", "Mean profile behind the filter", ("profile", "µm"), vec![curve])
+}
+
+/// Mean contours in both directions, and the ends of the single revolutions at every angle.
+fn motion(directions: [&ErrorMotion; 2]) -> Plot {
+    let mut curves = Vec::new();
+    for (colour, (of, name)) in directions.into_iter().zip(DIRECTIONS).enumerate() {
+        let mean = &of.mean_contour;
+        curves.push(Curve::new(name, colour, mean.clone()));
+        let ends: [(&str, f64, fn(f64, f64) -> f64); 2] =
+            [("lowest", f64::INFINITY, f64::min), ("highest", f64::NEG_INFINITY, f64::max)];
+        if of.revolutions.len() > mean.len() {
+            curves.extend(ends.map(|(end, start, of_two)| {
+                let mut values = vec![start; mean.len()];
+                for revolution in of.revolutions.chunks_exact(mean.len()) {
+                    values.iter_mut().zip(revolution).for_each(|(value, one)| *value = of_two(*value, *one));
+                }
+                Curve { dashed: true, ..Curve::new(format!("{}, {end}", &name[..1]), colour, values) }
+            }));
+        }
+    }
+    let title = "Error motion of the spindle over the angle";
+    let caption = "Mean contours of the revolutions; dashed, where there are several: the lowest and highest of them at the angle.";
+    Plot { caption, ..over_angle("Spindle", title, ("error motion", "µm"), curves) }
 }
 
 fn zones(caption: String, document: &RoundnessDocument) -> Table {
@@ -91,9 +191,9 @@ fn development(revolutions: &[Revolution]) -> Vec<Plot> {
         x: ("revolution".into(), ""),
         y: (quantity, "µm"),
         look: Look::Dotted,
-        caption: "",
         at: revolutions.iter().map(|of| of.revolution as f64).collect(),
         curves,
+        ..Plot::default()
     };
     let zone = |(circle, colour): (usize, usize)| {
         let values = revolutions.iter().map(|of| of.zones.in_order()[circle]);

@@ -3,7 +3,7 @@
 //! An evaluation defines once the names, units, digits and uncertainties of its figures and the axes of its plots; the
 //! console ([`Shown::text`]), the pages and the desk only render that definition.
 //!
-//! An uncertainty is shown after ± and is always expanded: half of the interval that contains the true value with 95 %.
+//! The number after ± is always an expanded uncertainty: half of the interval that contains the true value with 95 %.
 //! [`Uncertainty`] is the only way to show one, and converts standard errors.
 
 mod page;

@@ -8,8 +8,8 @@ use trueaxis_report::{Page, Table, side_by_side, summary};
 const MANY: usize = 3;
 
 impl Shown {
-    /// The whole page. `source` is the name of the record, "" for none; `figures` are sections of the result's own, after the
-    /// plots.
+    /// The whole page. `source` is the name of the record, "" for none; `figures` are further figures: before the plots of the
+    /// section with their heading, or in a section after all plots.
     pub fn page<H: AsRef<str>>(&self, source: &str, figures: impl IntoIterator<Item = (H, Markup)>) -> String {
         let parts = std::iter::once(source).filter(|source| !source.is_empty());
         let parts = parts.chain(self.summary.iter().map(String::as_str));
@@ -21,8 +21,11 @@ impl Shown {
         if let Some(own) = tables.next() {
             page = page.top(Table::from(own).caption(&own.caption));
         }
+        let mut figures: Vec<(H, Markup)> = figures.into_iter().collect();
         for plots in self.plots.chunk_by(|one, next| one.section == next.section) {
-            page = page.section(plots[0].section, plotted(plots));
+            let section = plots[0].section;
+            let before = figures.extract_if(.., |(heading, _)| heading.as_ref() == section).map(|(_, figure)| figure);
+            page = page.section(section, html! { @for figure in before { (figure) } (plotted(plots)) });
         }
         for polars in self.polars.chunk_by(|one, next| one.section == next.section) {
             page = page.section(polars[0].section, html! { @for polar in polars { (polar.figure()) } });

@@ -6,19 +6,22 @@ use trueaxis_report::{
 };
 
 /// How curves are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Look {
     /// A line.
+    #[default]
     Line,
     /// A line with a point at every value.
     Dotted,
     /// Points alone.
     Points,
+    /// Columns, one unit of the horizontal axis apart.
+    Columns,
 }
 
 /// Curves over one column of positions.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Plot {
     /// Heading of the part of the page that contains the plot.
     pub section: &'static str,
@@ -30,6 +33,10 @@ pub struct Plot {
     pub y: (&'static str, &'static str),
     /// How the curves are drawn.
     pub look: Look,
+    /// Whether the vertical axis is logarithmic.
+    pub logarithmic: bool,
+    /// A limit of the quantity, drawn across.
+    pub limit: Option<f64>,
     /// Explanation for the reader.
     pub caption: &'static str,
     /// Positions, ascending.
@@ -45,7 +52,7 @@ pub struct Curve {
     pub name: String,
     /// Index of the curve's colour, from 0.
     pub colour: usize,
-    /// Whether the line is dashed.
+    /// Whether the line is dashed, or a column hatched.
     pub dashed: bool,
     /// A value for every position; NaN (null) if missing.
     pub values: Vec<f64>,
@@ -74,6 +81,8 @@ const COLOURS: [Colour; 9] = [
 ];
 /// Maximum number of buckets that a line is drawn with, two extremes each.
 const BUCKETS: usize = 800;
+/// A column extends this far on either side of its position.
+const COLUMN: [f64; 2] = [-0.38, 0.38];
 
 impl Plot {
     /// Positions in ascending order, and the original index of each.
@@ -109,29 +118,42 @@ impl Plot {
             let curves: Vec<_> = self.curves.iter().map(|curve| (curve.name.as_str(), rows(curve))).collect();
             error_bars(&self.title, x, self.y.1, &curves)
         } else {
-            let values = self.curves.iter().flat_map(|curve| &curve.values).copied().filter(|value| value.is_finite());
-            // Temperatures and positions are far from zero, and their zero is arbitrary.
-            let zero = (!["°C", "mm", "degrees"].contains(&self.y.1)).then_some(0.0);
-            let y = Scale::linear(&format!("{} in {}", self.y.0, self.y.1), values.chain(zero)).margin(0.06);
+            let y = self.vertical();
             let mut figure =
                 if half { Figure::half(&self.title, 260, x, y) } else { Figure::full(&self.title, 300, x, y) };
             for curve in &self.curves {
                 let (points, colour) = (points(&curve.values), COLOURS[curve.colour % COLOURS.len()]);
-                if self.look == Look::Points {
-                    figure.area_key(curve.name.clone(), colour).dots(points, colour);
-                    continue;
-                }
                 let stroke = Stroke::new(colour, 1.4);
                 let stroke = if curve.dashed { stroke.dashed() } else { stroke };
-                figure.curve(curve.name.clone(), decimate(&points, BUCKETS), stroke);
-                if self.look == Look::Dotted {
-                    figure.dots(points, colour);
-                }
+                match self.look {
+                    Look::Points => figure.area_key(curve.name.clone(), colour).dots(points, colour),
+                    Look::Columns => figure.area_key(curve.name.clone(), colour).columns(points, COLUMN, colour),
+                    Look::Line => figure.curve(curve.name.clone(), decimate(&points, BUCKETS), stroke),
+                    Look::Dotted => {
+                        figure.curve(curve.name.clone(), decimate(&points, BUCKETS), stroke).dots(points, colour)
+                    }
+                };
+            }
+            if let Some(limit) = self.limit {
+                figure.across(limit, colour::LIMIT).key("limit", Stroke::new(colour::LIMIT, 1.2).dashed());
             }
             figure
         };
         figure.caption(self.caption);
         figure
+    }
+
+    fn vertical(&self) -> Scale {
+        let (quantity, unit) = self.y;
+        let name = if unit.is_empty() { quantity.to_owned() } else { format!("{quantity} in {unit}") };
+        let values = self.curves.iter().flat_map(|curve| &curve.values).copied().filter(|value| value.is_finite());
+        let values = values.chain(self.limit);
+        if self.logarithmic {
+            return Scale::decades(&name, values);
+        }
+        // Temperatures and positions are far from zero, and their zero is arbitrary.
+        let zero = (!["°C", "mm", "degrees"].contains(&unit)).then_some(0.0);
+        Scale::linear(&name, values.chain(zero)).margin(0.06)
     }
 }
 

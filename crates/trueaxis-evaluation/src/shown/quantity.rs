@@ -100,19 +100,19 @@ impl Quantity {
         Quantity { quantity, symbol: "", unit, value, uncertainty, decimals: None, note: String::new() }
     }
 
-    /// The same quantity with a symbol.
+    /// Adds a symbol.
     #[must_use]
     pub fn symbol(self, symbol: &'static str) -> Quantity {
         Quantity { symbol, ..self }
     }
 
-    /// The same quantity with this many decimals if its uncertainty is not known.
+    /// Sets the number of decimals if the uncertainty is not known.
     #[must_use]
     pub fn decimals(self, count: i32) -> Quantity {
         Quantity { decimals: Some(count), ..self }
     }
 
-    /// The same quantity with a note.
+    /// Adds a note.
     #[must_use]
     pub fn noted(self, note: impl Into<String>) -> Quantity {
         Quantity { note: note.into(), ..self }

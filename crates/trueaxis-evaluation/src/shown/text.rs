@@ -2,9 +2,10 @@
 
 use super::{Shown, Table};
 use std::fmt;
+use trueaxis_tables::text::aligned;
 
 impl Shown {
-    /// The result as text: summary, sentence, tables with rows, notes. Plots are left out.
+    /// The result as text: summary, sentence, tables with rows, notes; no plots.
     pub fn text(&self) -> String {
         let mut text = format!("{}: {}\n", self.title, self.summary.join(", "));
         if !self.result.is_empty() {
@@ -29,21 +30,8 @@ impl fmt::Display for Table {
         let header: Vec<&str> = self.header.iter().map(String::as_str).collect();
         let rows = self.rows.iter().map(|row| row.iter().map(|cell| cell.text()).collect());
         let lines: Vec<Vec<&str>> = std::iter::once(header).chain(rows).collect();
-        let columns: Vec<(usize, bool)> = (0..self.header.len())
-            .map(|column| {
-                let texts = lines.iter().filter_map(|line| line.get(column));
-                (texts.map(|text| text.chars().count()).max().unwrap_or(0), self.is_words(column))
-            })
-            .collect();
         writeln!(f, "{}", self.caption)?;
-        for line in &lines {
-            let cells = line.iter().zip(&columns).map(|(text, (width, is_words))| match is_words {
-                true => format!("  {text:<width$}"),
-                false => format!("  {text:>width$}"),
-            });
-            writeln!(f, "{}", cells.collect::<String>().trim_end())?;
-        }
-        Ok(())
+        aligned(&lines, |column| self.is_words(column)).lines().try_for_each(|line| writeln!(f, "  {line}"))
     }
 }
 

@@ -1,14 +1,14 @@
 //! Tables and plots of thermal growth.
 
 use super::{CurveDocument, FittedRecording, ThermalDocument, worst};
-use crate::shown::{Cell, Curve, Look, Plot, Quantity, Shown, Table, Uncertainty};
+use crate::shown::{Cell, Curve, Plot, Quantity, Shown, Table, Uncertainty};
 use trueaxis::Axis;
 use trueaxis_report::number::{percent, significant};
 
 /// Standard errors come from thousands of rows: their degrees of freedom count as infinite.
 pub(super) const DEGREES_OF_FREEDOM: f64 = f64::INFINITY;
 
-/// The values of a curve at its knots; a part that is zero is left out.
+/// The values of a curve at its knots; without a part that is zero.
 fn quantities(axis: char, curve: &CurveDocument) -> Vec<Quantity> {
     let [knot, slope] = if curve.of == "spindle" { ["rpm", "µrad"] } else { ["°C", "µm/m"] };
     let parts = [("µm", &curve.offset_um, &curve.offset_error_um), (slope, &curve.slope, &curve.slope_error)];
@@ -24,7 +24,7 @@ fn quantities(axis: char, curve: &CurveDocument) -> Vec<Quantity> {
 }
 
 impl ThermalDocument {
-    /// Tables of the document: drift and remainder, lags, curves, and what is left out. Plots of the drift of held-out cycles.
+    /// Tables of the document: drift and remainder, lags, curves, and omitted terms. Plots of the drift of held-out cycles.
     pub fn shown(&self, found: &FittedRecording) -> Shown {
         let um = |um: f64| Cell::number(um, 3);
         let cycles = self.cycles.iter().map(|own| {
@@ -91,7 +91,6 @@ fn held_out(found: &FittedRecording, axis: Axis) -> Option<Plot> {
         title: format!("Drift of {letter} in cycle {} at X {x}, Y {y}, Z {z}, tool {tool} mm", series.cycle),
         x: ("time since the cycle began".into(), "h"),
         y: ("drift", "µm"),
-        look: Look::Line,
         caption: "This cycle took no part in the fit.",
         at: series.rows.iter().map(|row| row[0] / 3600.0).collect(),
         curves: vec![
@@ -99,5 +98,6 @@ fn held_out(found: &FittedRecording, axis: Axis) -> Option<Plot> {
             um("by the task", 6, |row| row[2]),
             um("left", 7, |row| row[1] - row[2]),
         ],
+        ..Plot::default()
     })
 }

@@ -1,7 +1,7 @@
 //! Tables and plots of a thermal test.
 
 use super::{Test, ThermalTestDocument, document::NAMES};
-use crate::shown::{Cell, Curve, Look, Plot, Shown, Table, unit};
+use crate::shown::{Cell, Curve, Plot, Shown, Table, unit};
 use trueaxis_report::number::significant;
 use trueaxis_tables::text::counted;
 
@@ -92,9 +92,9 @@ fn over_time<'n>(
         title,
         x: ("time".into(), "min"),
         y,
-        look: Look::Line,
         caption,
         at: times_s.iter().map(|t| t / 60.0).collect(),
         curves: curves.map(|(k, (name, values))| Curve::new(name, k, values)).collect(),
+        ..Plot::default()
     }
 }

@@ -64,7 +64,7 @@ fn read_drive(section: Section<'_>) -> Result<(DriveFigures, DriveUncertainty), 
     Ok((drive, DriveUncertainty { position_gain_per_s, velocity_feed_forward }))
 }
 
-/// Reads what is stated about the resonance; in the core, 0 means not stated.
+/// Reads the statements about the resonance; in the core, 0 means not stated.
 fn read_resonance(section: &Section<'_>, drive: &mut DriveFigures) -> Result<(), FileError> {
     let resonance = section.number("resonance_hz")?;
     let damping = section.number("resonance_damping")?;

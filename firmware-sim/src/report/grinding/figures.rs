@@ -1,6 +1,6 @@
 //! Surfaces, harmonics and motion of the two runs.
 
-use crate::grinding::{Grinding, Harmonic, Outcome, Revolution, Run};
+use crate::grinding::{Grinding, Harmonic, Outcome, Run};
 use maud::Markup;
 use std::f64::consts::TAU;
 use trueaxis_report::{
@@ -25,37 +25,6 @@ fn both(outcome: &Outcome) -> [(&'static str, Colour, &Run); 2] {
 /// Number of the first corrected harmonic.
 fn first_corrected(grinding: &Grinding) -> usize {
     grinding.machine.settings.roundness.and_then(|gauge| gauge.infeed).map_or(2, |infeed| infeed.band.first.into())
-}
-
-pub(super) fn progress(outcome: &Outcome) -> Markup {
-    let figure = |name: &str, unit: &str, value: fn(&Revolution) -> f64, caption: &str| {
-        let values = both(outcome).into_iter().flat_map(|(.., run)| run.revolutions.iter().map(value));
-        let last = outcome.corrected.revolutions.len().max(2) as f64;
-        let description = format!("{name} of the true surface per revolution, without and with correction");
-        let y = Scale::decades(&format!("{name} in {unit}"), values);
-        let mut figure = Figure::half(&description, 300, Scale::exact("revolution", 1.0, last), y);
-        for (name, colour, run) in both(outcome) {
-            let points = run.revolutions.iter().enumerate().map(|(n, of)| [n as f64 + 1.0, value(of)]);
-            figure.curve(name, points, Stroke::new(colour, 1.6));
-        }
-        figure.caption(caption);
-        figure
-    };
-    side_by_side([
-        figure(
-            "out-of-roundness",
-            "µm",
-            |of| of.roundness_um,
-            "Peak to valley of the true surface about its least-squares circle, all harmonics. The first revolutions \
-             still show the rough pin.",
-        ),
-        figure(
-            "imprint",
-            "µm rms",
-            |of| of.imprint_um,
-            "Corrected harmonics of the true surface of each single revolution, asynchronous motion included.",
-        ),
-    ])
 }
 
 /// A surface as deviations in µm at equidistant angles, with name and colour.

@@ -24,9 +24,9 @@ const MOST_CHOSEN: usize = 96;
 const CHOSEN_PER_LINE: usize = 4;
 /// Stream of the screened plants: no seed of a drawn plant gives the same ones.
 const SCREENING_SEED: u64 = 0x9e37_79b9_7f4a_7c15;
-/// Moments of a line that are kept.
+/// Number of moments recorded of a line.
 const MOMENTS: usize = 48;
-/// Time of which one moment is kept, s.
+/// Interval between recorded moments, s.
 const MOMENT_S: f64 = 2e-3;
 
 /// A scenario and a family of plants about the figures that its machine states.
@@ -79,7 +79,7 @@ impl<'p> Plants<'p> {
         let bounds = lines.iter().map(|(line, of)| {
             let most = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, f64::max);
             let foreseen = &foreseen[line];
-            // What the sums foresee of all, corrected by what they missed of the plants simulated.
+            // The forecast of the sums for all plants, corrected by their errors on the plants simulated.
             let (all, simulated) =
                 (most(&mut foreseen.iter().copied()), most(&mut chosen.iter().map(|i| foreseen[*i])));
             let worst = found.get(line).copied().unwrap_or(0.0).max(of.stated);

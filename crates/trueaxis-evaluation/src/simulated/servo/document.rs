@@ -65,7 +65,7 @@ pub struct LineBound {
 /// A feed that keeps a wanted bound.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct FeedFor {
-    /// The feed, mm/min (deg/min); none if no feed was found that keeps it.
+    /// The feed, mm/min (deg/min); `None` if no feed tried keeps it.
     pub feed_per_min: Option<f64>,
     /// The bound with this feed, or with the lowest one tried.
     pub bound_um: f64,

@@ -2,9 +2,9 @@
 //! exactly.
 //!
 //! The plants are simulated, with the plugin as the machine's settings say. First the figures as stated, and each figure by
-//! itself at either end. At every moment their effects on the contour error are taken to add up: that foresees the errors of
-//! 4,000 plants drawn from the family without simulating them. The worst of each line are then simulated, and what the sums
-//! missed on these corrects what they foresee of the others. The bound is 1.15 times the worst error on the line.
+//! itself at either end. At every moment their effects on the contour error add up by assumption: that foresees the errors of
+//! 4,000 plants drawn from the family without simulating them. The worst of each line are then simulated, and the errors of
+//! the sums on these correct their forecast of the others. The bound is 1.15 times the worst error on the line.
 
 mod bound;
 mod document;

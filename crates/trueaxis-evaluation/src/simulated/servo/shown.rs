@@ -79,6 +79,7 @@ impl ServoBound {
                       the family of plants.",
             at: self.lines.iter().map(|line| f64::from(line.line)).collect(),
             curves,
+            ..Plot::default()
         }
     }
 }

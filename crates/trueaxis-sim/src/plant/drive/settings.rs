@@ -99,7 +99,7 @@ impl Default for DriveSettings {
     }
 }
 
-/// Figures that do not agree with each other: key, value as found, and what is needed.
+/// Figures that do not agree with each other: key, value found, and value needed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Disagreement {
     /// Key of the figure, without its table.
