@@ -9,7 +9,7 @@ frequencies and then by golden section. Units: 1/s, s, Hz; margins in dB.
     motor     (1 - m) s^2 x_M = F - (c s + k) (x_M - x_L)          k = m (1 - m) w_r^2,  c = 2 m (1 - m) z w_r
     load           m  s^2 x_L = (c s + k) (x_M - x_L) - h x_L       h: friction that holds the load
     drive     F (1 + s t_c) = K_vp (1 + 1/(tau s)) (K_v (r - y) + k_ff s r - s x_M),  y = x_L (scale) or x_M (encoder)
-    feedback  |L| = |K_p + K_i/s| |F_notch| |y/r|
+    feedback  |L| = |K_p + K_i/s| |F_notch| |y/r|, the notch as it is at four times its frequency
 """
 
 import cmath
@@ -129,7 +129,8 @@ def main():
         else:
             around, only_sound = [hz * 1.25**i for i in range(12)], True
         bare = largest(drive, feedback, held, around, damping, only_sound, None, period)
-        notched = largest(drive, feedback, held, around, damping, only_sound, hz, period) if known else None
+        # A notch is narrowest at the slowest servo that has it: four times its frequency.
+        notched = largest(drive, feedback, held, around, damping, only_sound, hz, 1 / (4 * hz)) if known else None
         cases.append({
             "drive": drive, "feedback": feedback, "coulomb_per_s": coulomb, "period_s": period, "known": known,
             "resonance_hz": hz, "resonance_damping": damping,

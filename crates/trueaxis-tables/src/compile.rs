@@ -2,13 +2,13 @@
 
 use crate::{Machine, Table};
 use trueaxis::Config;
-use trueaxis::check;
+use trueaxis::check::{self, Spread};
 use trueaxis::contour::Method;
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::{Axis, Row};
 use trueaxis::tcomp::{
     MAGIC, Stored, TableHeader, VERSION, VERSION_WITHOUT_ADDITIONS, VERSION_WITHOUT_ENCODERS, VERSION_WITHOUT_GRIDS,
-    additions, checksum, machine_id,
+    additions, checksum, machine_id, notch,
 };
 
 /// The compiled form of a machine, byte by byte as in [`trueaxis::tcomp`]. The result is deterministic.
@@ -22,6 +22,8 @@ pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
         return Err(ConfigError::new(Field::Axes, found, "one entry of tables for each axis"));
     }
     check::machine(&machine.settings, |axis| machine.rows(axis), &machine.grids())?;
+    let mut settings = machine.settings.clone();
+    check::decide_notches(&mut settings);
     let unencodable = |_| ConfigError::new(Field::Name, 0.0, "settings that postcard can encode");
     let mut payload = postcard::to_stdvec(&Stored(&machine.settings)).map_err(unencodable)?;
     for (settings, table) in machine.axes() {
@@ -58,6 +60,10 @@ pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
     }
     if version == VERSION {
         payload.extend(figures.flat_map(f64::to_le_bytes));
+        let notches = settings.axes.iter().map(notch);
+        if notches.clone().any(|gain| gain > 0.0) {
+            payload.extend(notches.flat_map(f64::to_le_bytes));
+        }
     }
     let mut bytes = MAGIC.to_vec();
     bytes.extend(version.to_le_bytes());
@@ -102,15 +108,19 @@ fn write_row(payload: &mut Vec<u8>, header: &TableHeader, row: &Row) {
 }
 
 /// Builds the servo loop as a controller does at this rate, in single and in double precision, and drops it: a controller
-/// accepts every machine that is accepted here.
+/// accepts every machine that is accepted here. Gains that leave too little margin at the stated resonances are refused
+/// here only.
 ///
 /// # Errors
 /// Everything that [`check::machine`] or [`Config::build`] refuses.
 pub fn build(machine: &Machine, rate_hz: f64) -> Result<(), ConfigError> {
     let grids = machine.grids();
     let inverse_passes = check::machine(&machine.settings, |axis| machine.rows(axis), &grids)?;
+    check::feedback_within(&machine.settings, 1.0 / rate_hz, |_| Spread::LEAST)?;
+    let mut settings = machine.settings.clone();
+    check::decide_notches(&mut settings);
     let config = Config {
-        machine: &machine.settings,
+        machine: &settings,
         grids: &grids,
         machine_id: machine_id(&machine.settings.name, &machine.settings.chain),
         tables_crc: 0,

@@ -72,7 +72,8 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// The machine of a compiled file: settings, every line of every table and every node of every grid, bit for bit.
+    /// The machine of a compiled file: settings, every line of every table and every node of every grid, bit for bit; not the
+    /// notches, which follow from the settings.
     pub fn from_tcomp(file: &Tcomp<'_>) -> Machine {
         let tables = file.axes().map(|(_, table)| {
             table.map(|table| Table {
@@ -82,7 +83,14 @@ impl Machine {
             })
         });
         let grids = file.grids().iter().map(Grid::from_data).collect();
-        Machine { settings: file.settings().clone(), tables: tables.collect(), grids }
+        let mut settings = file.settings().clone();
+        // Decided again from the other figures when the machine is compiled.
+        settings
+            .axes
+            .iter_mut()
+            .flat_map(|axis| &mut axis.servo.drive)
+            .for_each(|drive| drive.gain_without_notch = 0.0);
+        Machine { settings, tables: tables.collect(), grids }
     }
 
     /// The machine with every entry of its tables and grids times `share`, as if they were only partly trusted. Squareness,

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use std::path::Path;
+use trueaxis::ServoLoop;
 use trueaxis::check::{self, Spread};
 use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::{Axis, DriveFigures, FeedbackSettings, FrictionSettings, MachineSettings};
@@ -125,7 +126,8 @@ fn resonant(lines: &str, feedback: &str) -> Result<Machine, String> {
     Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).map_err(|error| error.to_string())
 }
 
-/// A stated resonance bounds the gains and chooses a notch; the bound is accepted; the file carries the figures in version 7.
+/// A stated resonance bounds the gains and chooses a notch; the bound is accepted; the file carries the figures in version 7,
+/// with what the gains may be without the notch.
 #[test]
 fn a_stated_resonance_bounds_the_gains() {
     let known = resonant("resonance_hz = 120\nresonance_damping = 0.02\n", "").unwrap();
@@ -142,18 +144,80 @@ fn a_stated_resonance_bounds_the_gains() {
 
     let bytes = compile(&known).unwrap();
     assert_eq!(bytes[8..10], [7, 0]);
-    let end: Vec<f64> = bytes[bytes.len() - 84..bytes.len() - 4]
+    let end: Vec<f64> = bytes[bytes.len() - 100..bytes.len() - 4]
         .as_chunks::<8>()
         .0
         .iter()
         .map(|raw| f64::from_le_bytes(*raw))
         .collect();
-    assert_eq!(end, [0.0, 120.0, 0.02, 0.0, 0.0, 0.0, 120.0, 0.02, 0.0, 0.0]);
+    assert_eq!(end[..10], [0.0, 120.0, 0.02, 0.0, 0.0, 0.0, 120.0, 0.02, 0.0, 0.0]);
+    assert!(end[10] > 0.0 && end[10] < 1.0 && end[10] == end[11], "{end:?}");
     let file = Tcomp::parse(&bytes).unwrap();
     assert_eq!(Machine::from_tcomp(&file), known);
-    // Without them the file is that of an older version.
+    // A machine without a notch has no such figures behind.
+    let damped = compile(&resonant("resonance_hz = 120\nresonance_damping = 0.9\n", "").unwrap()).unwrap();
+    assert_eq!((damped[8], damped.len()), (7, bytes.len() - 16));
+    // Without resonances the file is that of an older version.
     let small = "proportional = 0.01\nintegral_per_s = 0.3\n";
     assert_eq!(compile(&resonant("", small).unwrap()).unwrap()[8..10], [4, 0]);
+}
+
+/// A controller whose servo is too slow for the notch refuses gains that need it, and says how large they may be without;
+/// smaller ones run without the notch.
+#[test]
+fn a_servo_too_slow_for_the_notch_needs_smaller_gains() {
+    let lines = "resonance_hz = 120\nresonance_damping = 0.02\ndead_time_s = 0\n";
+    let loaded = |gains: &str, rate_hz: f64| {
+        let bytes = compile(&resonant(lines, gains).unwrap()).unwrap();
+        let file = Tcomp::parse(&bytes).unwrap();
+        let mut memory = vec![0.0; file.requirement()];
+        ServoLoop::<f64, f64, 3>::load(&file, (1e9 / rate_hz) as u32, &mut memory).map(|_| ())
+    };
+    let gains = "proportional = 0.15\nintegral_per_s = 1.5\n";
+    loaded(gains, 500.0).unwrap();
+    let error = loaded(gains, 450.0).unwrap_err();
+    assert!(error.needed.starts_with("a servo at least four times as fast as the resonance"), "{error}");
+    let bound = error.bound.unwrap();
+    assert!((0.1..0.15).contains(&bound), "{error}");
+    let small = format!("proportional = {bound}\nintegral_per_s = {}\n", 10.0 * bound);
+    loaded(&small, 450.0).unwrap();
+    feedback_within(&resonant(lines, &small).unwrap(), &Uncertainties::default(), 450.0).unwrap();
+}
+
+/// Gains that were accepted at 10 kHz, where the machine was compiled, keep all margins at any servo rate at which a controller,
+/// which evaluates no resonance, accepts the machine.
+#[test]
+fn what_a_controller_accepts_keeps_its_margins_at_any_rate() {
+    let (mut notched, mut refused) = (0, 0);
+    for case in 0..24_u32 {
+        let pick = |of: [f64; 3], digit: u32| of[(case / 3_u32.pow(digit) % 3) as usize];
+        let kv = pick([25.0, 60.0, 115.0], 0);
+        let figures = DriveFigures {
+            velocity_feed_forward: if case % 2 == 0 { 0.9 } else { 0.0 },
+            resonance_hz: pick([45.0, 120.0, 400.0], 1),
+            resonance_damping: pick([0.02, 0.1, 0.5], 2),
+            ..DriveFigures::with_defaults(kv, 6.5 * kv, 0.9 / kv)
+        };
+        let with = |proportional| {
+            let feedback = FeedbackSettings { proportional, integral_per_s: 20.0 * proportional, ..Default::default() };
+            machine(figures, None, feedback)
+        };
+        let Err(error) = check::feedback_within(&with(100.0), 1e-4, |_| Spread::LEAST) else { panic!("{case}") };
+        for share in [0.3, 0.99] {
+            // 0: unstable by itself.
+            let Some(bound) = error.bound.filter(|bound| *bound > 0.0) else { continue };
+            let mut compiled = with(share * bound);
+            check::decide_notches(&mut compiled);
+            for rate_hz in [100.0, 300.0, 500.0, 1000.0, 1600.0, 4000.0, 20_000.0] {
+                let controller = check::feedback(&compiled, 1.0 / rate_hz);
+                let judged = check::feedback_within(&with(share * bound), 1.0 / rate_hz, |_| Spread::LEAST);
+                assert_eq!(controller.is_ok(), judged.is_ok(), "{figures:?} {rate_hz} {controller:?} {judged:?}");
+                refused += usize::from(judged.is_err());
+            }
+            notched += usize::from(compiled.axes[0].servo.drive.unwrap().gain_without_notch > 0.0);
+        }
+    }
+    assert!(notched > 10 && refused > 20, "{notched} {refused}");
 }
 
 /// An uncertainty beyond the family's ±10 % costs gain, where the uncertainty is known.

@@ -161,6 +161,8 @@ pub const DEAD_TIME: Range = Range::new(0.0, 0.1, "a time of 0 to 0.1 s");
 pub const COMMON_LAG: Range = Range::new(0.0, 10.0, "a lag of 0 to 10 s");
 /// Resonance of an axis: a large gantry has some hertz, a linear motor some hundred.
 pub const RESONANCE: Range = Range::new(1.0, 1e4, "a frequency of 1 to 10000 Hz");
+/// Factor on the gains of the contour feedback without a notch at the resonance.
+pub const GAIN_WITHOUT_NOTCH: Range = Range::new(0.0, 1e3, "a factor of 0 to 1000 on the gains without a notch");
 /// Damping of a resonance, share of critical.
 pub const RESONANCE_DAMPING: Range = Range::new(1e-3, 0.9, "a share of critical damping of 0.001 to 0.9");
 /// Share of a velocity that is fed forward.

@@ -60,6 +60,7 @@ pub(crate) fn machine(gains: Option<Gains>, feed_forward: Option<Off>) -> Machin
                 resonance_hz: 0.0,
                 resonance_damping: 0.0,
                 lowest_resonance_hz: 5000.0,
+                gain_without_notch: 0.0,
             }),
             friction: feed_forward.map(|off| FrictionSettings {
                 coulomb_per_s: 0.0,

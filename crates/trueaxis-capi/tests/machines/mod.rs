@@ -72,6 +72,7 @@ pub(crate) fn drive() -> DriveFigures {
         resonance_hz: 0.0,
         resonance_damping: 0.0,
         lowest_resonance_hz: 5000.0,
+        gain_without_notch: 0.0,
     }
 }
 

@@ -25,6 +25,7 @@ pub(super) const DRIVE: DriveFigures = DriveFigures {
     resonance_hz: 0.0,
     resonance_damping: 0.0,
     lowest_resonance_hz: 0.0,
+    gain_without_notch: 0.0,
 };
 const PRESLIDINGS: [f64; 3] = [0.002, 0.008, 0.04];
 const POSITION_GAINS: [f64; 4] = [15.0, 40.0, 90.0, 200.0];

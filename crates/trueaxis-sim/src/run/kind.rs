@@ -3,7 +3,7 @@
 use crate::error::{Result, SimError};
 use std::borrow::Cow;
 use trueaxis::ConfigError;
-use trueaxis::check;
+use trueaxis::check::{self, Spread};
 use trueaxis::machine::{ErrorModel, MachineSettings};
 use trueaxis_tables::Machine;
 
@@ -109,15 +109,19 @@ impl Parts {
                 }
                 Ok(all)
             }
+            Parts::Configured => match feedback_refused(&machine.settings, period_s) {
+                Some(error) => Err(error.into()),
+                None => Ok(Cow::Borrowed(machine)),
+            },
             _ => Ok(Cow::Borrowed(machine)),
         }
     }
 }
 
 /// Reason why [`Kind::Full`] omits the machine's contour feedback at a servo period: its gains leave too little margin there.
-/// A controller refuses them, but a run at a rate other than the machine's should still show the rest.
+/// They are refused where a machine is compiled, but a run at a rate other than the machine's should still show the rest.
 pub fn feedback_refused(machine: &MachineSettings, period_s: f64) -> Option<ConfigError> {
-    check::feedback(machine, period_s).err()
+    check::feedback_within(machine, period_s, |_| Spread::LEAST).err()
 }
 
 /// Whether anything acts on the servo itself; figures of a drive alone do not.

@@ -27,9 +27,10 @@ pub const GAIN_MARGIN_DB: f64 = 12.0;
 /// to 20 dB. It is still one of the three because it is the worst for a purely integral gain.
 ///
 /// At resonances the gain of the loop counts, whatever its phase: of a motor that moves a load through a spring, a scale on
-/// the load closing the position loop, over gains ±10 %, the stated resonance ±10 % and loads of 20 to 80 % of the mass. Where
-/// a machine is compiled and no resonance is stated, every one above [`super::ASSUMED_LOWEST_HZ`] with
-/// [`super::ASSUMED_DAMPING`] counts with which the drive alone is sound. A notch, if there is one, is part of every loop.
+/// the load closing the position loop, over gains ±10 %, the stated resonance ±10 % and loads of 20 to 80 % of the mass. If no
+/// resonance is stated, every one above [`super::ASSUMED_LOWEST_HZ`] with [`super::ASSUMED_DAMPING`] counts with which the
+/// drive alone is sound. A notch, if there is one, is part of every loop. Resonances are judged where a machine is compiled or
+/// checked; a controller judges the rigid drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
     /// Phase margin, degrees; `None` if the gain is below 1 everywhere.

@@ -26,7 +26,7 @@ pub use notch::Notch;
 pub use open_loop::Margin;
 pub use resonance::{ASSUMED_DAMPING, ASSUMED_LOWEST_HZ, RESONANCE_MARGIN_DB, Spread, assumed_lowest_hz};
 pub use reversal::{HYSTERESIS_PER_STEP, lost_motion, reversal};
-pub use servo::{feedback, feedback_margins, feedback_margins_within, feedback_within};
+pub use servo::{decide_notches, feedback, feedback_margins, feedback_margins_within, feedback_within};
 pub(crate) use servo::{notches, of_dynamic};
 pub use volumetric::{angular_tip_error, tip_rate};
 

@@ -1,6 +1,10 @@
 //! Notch in the contour feedback at a stated resonance.
 
+use crate::machine::DriveFigures;
 use core::f64::consts::{FRAC_PI_2, TAU};
+
+/// Lowest servo rate with a notch, in its frequencies. Near half the rate a notch would be too narrow above its frequency.
+pub(super) const LOWEST_RATE: f64 = 4.0;
 
 /// A notch: no gain is lost at rest, and `bottom` remains at its frequency.
 ///
@@ -21,6 +25,18 @@ pub struct Notch {
 }
 
 impl Notch {
+    /// A notch as wide as the family of resonances, about 10 % to both sides.
+    pub(super) fn at(frequency_hz: f64) -> Notch {
+        Notch { frequency_hz, damping: 1.0, bottom: 0.2 }
+    }
+
+    /// The notch of a drive at a servo period, s, if its machine was compiled with one and the servo is fast enough for it.
+    pub(crate) fn of(drive: &DriveFigures, period_s: f64) -> Option<Notch> {
+        let DriveFigures { resonance_hz, gain_without_notch, .. } = *drive;
+        let is_used = resonance_hz > 0.0 && gain_without_notch > 0.0;
+        (is_used && LOWEST_RATE * resonance_hz * period_s <= 1.0).then(|| Notch::at(resonance_hz))
+    }
+
     /// Coefficients of the part w that the notch takes away from its input x, for a period in s:
     ///
     /// ```text

@@ -48,7 +48,8 @@ pub(super) fn decibels(gain: f64) -> f64 {
 }
 
 impl OpenLoop {
-    /// L(jω).
+    /// L(jω). Not inlined: a controller's image would contain it ten times.
+    #[inline(never)]
     pub(super) fn at(&self, omega: f64) -> [f64; 2] {
         let ([a, b], [c, d]) = (at(&self.numerator, omega), at(&self.denominator, omega));
         let square = c * c + d * d;
@@ -69,6 +70,7 @@ impl OpenLoop {
     /// loop that keeps to them is stable if N/D is (Nyquist).
     ///
     /// Cost: some thousand values of the loop.
+    #[inline(never)]
     pub(super) fn margins(&self, [low, high]: [f64; 2], least_phase_deg: f64, least_gain_db: f64) -> Found {
         let ratio = libm::pow(high / low, 1.0 / f64::from(POINTS));
         let cosine = libm::cos(least_phase_deg.to_radians());
@@ -110,6 +112,7 @@ impl OpenLoop {
     }
 
     /// The largest gain between two frequencies, with its frequency, by golden-section search.
+    #[inline(never)]
     fn peak(&self, [mut low, mut high]: [f64; 2]) -> [f64; 2] {
         const SECTION: f64 = 0.381_966_011_250_105_15;
         for _ in 0..HALVINGS {

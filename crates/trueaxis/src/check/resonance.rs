@@ -1,11 +1,15 @@
-//! Margin of the contour feedback at the resonances of an axis.
+//! Margin of the contour feedback at the resonances of an axis, and whether a notch pays.
+//!
+//! Some hundred thousand values of a transfer function for an axis: evaluated where a machine is compiled or checked, never on
+//! a controller, whose image does not contain this module.
 
 use super::drive::stiffness;
 use super::margins::{Closed, Margins, rigid};
-use super::notch::{Notch, Sampled};
+use super::notch::{LOWEST_RATE, Notch, Sampled};
 use super::open_loop::{Margin, decibels, hertz};
 use super::two_masses::{Masses, is_stable, transfer};
 use crate::machine::DriveFigures;
+use crate::range::GAIN_WITHOUT_NOTCH;
 use core::f64::consts::TAU;
 
 /// Smallest permitted margin of the contour feedback at a resonance, dB: the loop's gain stays below one half there,
@@ -23,8 +27,7 @@ pub struct Spread {
     pub frequency: f64,
     /// Its damping, share of critical.
     pub damping: f64,
-    /// Whether resonances that nobody stated are assumed, from [`assumed_lowest_hz`] up: where a machine is compiled, not on
-    /// a controller.
+    /// Whether resonances that nobody stated are assumed, from [`assumed_lowest_hz`] up.
     pub assumed: bool,
 }
 
@@ -51,10 +54,10 @@ const POINTS: u8 = 74;
 /// Largest gain of a sound drive without velocity feed-forward: a step overshoots by some 40 %.
 const SOUND: f64 = 2.0;
 
-/// Width and bottom of a notch: as wide as the family of resonances, about 10 % to both sides.
-const SHAPE: Notch = Notch { frequency_hz: 0.0, damping: 1.0, bottom: 0.2 };
 /// A notch costs lag and instructions, and is worth them if the gains may be larger by this factor.
 const WORTH: f64 = 1.1;
+/// Servo period at which that is decided, s, unless the notch needs a shorter one.
+const USUAL_PERIOD_S: f64 = 1e-3;
 
 /// The worst of a family of plants.
 #[derive(Clone, Copy, Debug)]
@@ -85,9 +88,11 @@ impl Peak {
     }
 }
 
-/// The margins of a drive in the contour feedback, with its notch.
+/// The margins of a drive in the contour feedback, with the notch that a machine compiled from these figures has at this
+/// servo period.
 pub(super) fn margins(closed: &Closed<'_>, spread: &Spread) -> Margins {
-    with(closed, spread, chosen(closed).as_ref())
+    let drive = DriveFigures { gain_without_notch: gain_without_notch(closed), ..*closed.drive };
+    with(closed, spread, Notch::of(&drive, closed.period_s).as_ref())
 }
 
 fn with(closed: &Closed<'_>, spread: &Spread, notch: Option<&Notch>) -> Margins {
@@ -96,21 +101,33 @@ fn with(closed: &Closed<'_>, spread: &Spread, notch: Option<&Notch>) -> Margins 
     Margins { resonance: Some(resonance), factor: rigid.factor.min(peak.factor()), ..rigid }
 }
 
-/// The notch at the stated resonance, if the gains may be larger by [`WORTH`] with it.
+/// Factor by which the stated resonance lets the gains grow without a notch there, which holds at any servo period; 0 if
+/// there is to be no notch: none is stated, or the gains would not be larger by [`WORTH`] with it.
 ///
-/// It depends on the ratio of the gains, not on their size, and not on the uncertainty of the resonance, so that a
-/// controller chooses the same.
-pub(super) fn chosen(closed: &Closed<'_>) -> Option<Notch> {
+/// The choice depends on the ratio of the gains, not on their size, nor on the servo period that a controller will have, nor
+/// on the uncertainty of the resonance.
+pub(super) fn gain_without_notch(closed: &Closed<'_>) -> f64 {
     let frequency_hz = closed.drive.resonance_hz;
-    let below = frequency_hz > 0.0 && 2.0 * frequency_hz * closed.period_s < 1.0;
-    let bare = below.then(|| with(closed, &Spread::LEAST, None).factor).filter(|bare| *bare > 0.0)?;
-    let notch = Notch { frequency_hz, ..SHAPE };
-    (with(closed, &Spread::LEAST, Some(&notch)).factor > WORTH * bare).then_some(notch)
+    if frequency_hz <= 0.0 {
+        return 0.0;
+    }
+    let usual = Closed { period_s: USUAL_PERIOD_S.min(slowest_s(frequency_hz)), ..*closed };
+    let (bare, peak) = (rigid(&usual, None).factor, worst(&usual, &Spread::LEAST, None).factor());
+    let notched = with(&usual, &Spread::LEAST, Some(&Notch::at(frequency_hz))).factor;
+    // Without feedback to speak of, the permitted factor is beyond any gain.
+    if peak > 0.0 && notched > WORTH * bare.min(peak) { peak.min(GAIN_WITHOUT_NOTCH.most) } else { 0.0 }
 }
 
-/// The largest gain at the resonances that the drive's figures state, or else at the assumed ones.
+/// The longest servo period with a notch, s.
+fn slowest_s(frequency_hz: f64) -> f64 {
+    1.0 / (LOWEST_RATE * frequency_hz)
+}
+
+/// The largest gain at the resonances that the drive's figures state, or else at the assumed ones. A notch counts as it is at
+/// the slowest servo that has it, where it is narrowest: so the gain is at most this one at any servo period.
 fn worst(closed: &Closed<'_>, spread: &Spread, notch: Option<&Notch>) -> Peak {
-    let plants = Plants { closed, notch: notch.map(|notch| Sampled { notch: *notch, period_s: closed.period_s }) };
+    let sampled = |notch: &Notch| Sampled { notch: *notch, period_s: slowest_s(notch.frequency_hz) };
+    let plants = Plants { closed, notch: notch.map(sampled) };
     let DriveFigures { resonance_hz, resonance_damping, .. } = *closed.drive;
     let stated = (resonance_hz > 0.0).then(|| {
         let share = spread.frequency.max(Spread::LEAST.frequency);

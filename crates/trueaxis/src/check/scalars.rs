@@ -8,10 +8,10 @@ use crate::machine::{
 };
 use crate::range::{
     ACCELERATION, ADAPT, BACKLASH, COMMON_LAG, COULOMB, CROSSTALK, CURRENT_LOOP, DEAD_TIME, ENCODER_STEP, EXPANSION,
-    FADE, FEED, FEEDBACK_GAIN, FEEDBACK_INTEGRAL, HYSTERESIS, JOINT, JUMP_FACTOR, LAG, LENGTH, MAGNITUDE, PLAUSIBLE,
-    POSITION, POSITION_GAIN, PRESLIDING, RESET_TIME, RESONANCE, RESONANCE_DAMPING, ROTATION, SHARE, SINGULAR_CONE,
-    SLOPE, STRIBECK_SHARE, STRIBECK_VELOCITY, TEMPERATURE, THERMAL_OFFSET, TOOL_AXIS, TRANSLATION, VELOCITY_GAIN,
-    VISCOUS, WATCH,
+    FADE, FEED, FEEDBACK_GAIN, FEEDBACK_INTEGRAL, GAIN_WITHOUT_NOTCH, HYSTERESIS, JOINT, JUMP_FACTOR, LAG, LENGTH,
+    MAGNITUDE, PLAUSIBLE, POSITION, POSITION_GAIN, PRESLIDING, RESET_TIME, RESONANCE, RESONANCE_DAMPING, ROTATION,
+    SHARE, SINGULAR_CONE, SLOPE, STRIBECK_SHARE, STRIBECK_VELOCITY, TEMPERATURE, THERMAL_OFFSET, TOOL_AXIS,
+    TRANSLATION, VELOCITY_GAIN, VISCOUS, WATCH,
 };
 
 /// Checks every scalar of a machine; [`gauge`] checks the gauge's. A new field does not compile until it is listed here.
@@ -117,6 +117,7 @@ fn of_servo(servo: &AxisServo, axis: Axis) -> Result<(), ConfigError> {
             resonance_hz,
             resonance_damping,
             lowest_resonance_hz,
+            gain_without_notch,
         } = drive;
         POSITION_GAIN.check(*position_gain_per_s, Field::PositionGain, on)?;
         VELOCITY_GAIN.check(*velocity_gain_per_s, Field::VelocityGain, on)?;
@@ -134,6 +135,7 @@ fn of_servo(servo: &AxisServo, axis: Axis) -> Result<(), ConfigError> {
                 range.check(*figure, field, on)?;
             }
         }
+        GAIN_WITHOUT_NOTCH.check(*gain_without_notch, Field::Resonance, on)?;
     }
     if let Some(friction) = friction {
         let FrictionSettings {

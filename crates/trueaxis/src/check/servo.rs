@@ -1,9 +1,10 @@
 //! Checks of drives, friction, dynamic correction, contour feedback and cross-talk.
 
 use super::drive::{is_stable, stiffness};
-use super::margins::{Closed, Margins};
-use super::resonance::{chosen, margins};
-use super::{Notch, RESONANCE_MARGIN_DB, Spread, need};
+use super::margins::{Closed, Margins, rigid};
+use super::open_loop::decibels;
+use super::resonance::{gain_without_notch, margins};
+use super::{Margin, Notch, RESONANCE_MARGIN_DB, Spread, need};
 use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, AxisSettings, DriveFigures, MachineSettings};
 use crate::part;
@@ -120,23 +121,50 @@ pub(super) fn loops(machine: &MachineSettings, period_s: f64) -> impl Iterator<I
     })
 }
 
-/// Notches of the contour feedback, by linear axis.
-pub(crate) fn notches(machine: &MachineSettings, period_s: f64) -> impl Iterator<Item = (Axis, Notch)> {
-    loops(machine, period_s).filter_map(|(axis, closed)| Some((axis, chosen(&closed)?)))
+/// Decides which drives have a notch in the contour feedback, from their figures: where a machine is compiled.
+pub fn decide_notches(machine: &mut MachineSettings) {
+    for place in 0..machine.axes.len() {
+        let Some(letter) = machine.axes.get(place).map(|own| own.axis) else { return };
+        // Any period: the choice does not depend on it.
+        let own = loops(machine, 0.0).find(|(axis, _)| *axis == letter);
+        let gain = own.map_or(0.0, |(_, closed)| gain_without_notch(&closed));
+        if let Some(drive) = machine.axes.get_mut(place).and_then(|own| own.servo.drive.as_mut()) {
+            drive.gain_without_notch = gain;
+        }
+    }
 }
 
-/// Refuses gains of the contour feedback that leave less than [`super::PHASE_MARGIN_DEG`], [`super::GAIN_MARGIN_DB`] or
-/// [`super::RESONANCE_MARGIN_DB`] at the stated resonance on an axis at this servo period, s (0: not known yet). [`Margins`]
-/// lists the loops. Resonances that nobody stated are assumed only where a machine is compiled ([`feedback_within`]).
+/// Notches of the contour feedback at a servo period, s, by linear axis.
+pub(crate) fn notches(machine: &MachineSettings, period_s: f64) -> impl Iterator<Item = (Axis, Notch)> {
+    loops(machine, period_s).filter_map(move |(axis, closed)| Some((axis, Notch::of(closed.drive, period_s)?)))
+}
+
+/// Refuses gains of the contour feedback as a controller does: with less than [`super::PHASE_MARGIN_DEG`] or
+/// [`super::GAIN_MARGIN_DB`] on the rigid drive of an axis at this servo period, s (0: not known yet), or if the drive needs a
+/// notch for which the servo is too slow. [`Margins`] lists the loops. The margin at the resonances is [`feedback_within`]'s.
 ///
 /// # Errors
 /// The proportional gain, or the integral one if the proportional gain is zero; bound: its largest permitted value at
 /// this ratio of the two, rounded down to three digits; 0 if no gain is safe.
 pub fn feedback(machine: &MachineSettings, period_s: f64) -> Result<(), ConfigError> {
-    feedback_within(machine, period_s, |_| Spread::LEAST)
+    refuse(machine, &mut loops(machine, period_s).map(|(axis, closed)| (axis, on_controller(&closed))))
 }
 
-/// Like [`feedback`], with the uncertainty of the stated resonances.
+/// The margins of the rigid drive; where its notch is left out, also the margin at the resonance without it.
+fn on_controller(closed: &Closed<'_>) -> Margins {
+    let DriveFigures { gain_without_notch, resonance_hz, .. } = *closed.drive;
+    let notch = Notch::of(closed.drive, closed.period_s);
+    let rigid = rigid(closed, notch.as_ref());
+    if gain_without_notch == 0.0 || notch.is_some() {
+        return rigid;
+    }
+    let value = RESONANCE_MARGIN_DB + decibels(gain_without_notch);
+    let resonance = Some(Margin { value, frequency_hz: resonance_hz });
+    Margins { resonance, factor: rigid.factor.min(gain_without_notch), ..rigid }
+}
+
+/// Like [`feedback`], also with less than [`RESONANCE_MARGIN_DB`] at the resonances, with the uncertainty of the stated ones:
+/// where a machine is compiled or checked.
 ///
 /// # Errors
 /// As [`feedback`].
@@ -145,8 +173,12 @@ pub fn feedback_within(
     period_s: f64,
     spread: impl Fn(Axis) -> Spread,
 ) -> Result<(), ConfigError> {
+    refuse(machine, &mut feedback_margins_within(machine, period_s, spread))
+}
+
+/// Refuses gains with which the least of these margins is too small.
+fn refuse(machine: &MachineSettings, all: &mut dyn Iterator<Item = (Axis, Margins)>) -> Result<(), ConfigError> {
     let (Some(settings), Some(_)) = (&machine.contour.feedback, part::DYNAMIC) else { return Ok(()) };
-    let all = feedback_margins_within(machine, period_s, spread);
     let Some((axis, margins)) = all.reduce(|least, next| if next.1.factor < least.1.factor { next } else { least })
     else {
         return Ok(());
@@ -158,13 +190,16 @@ pub fn feedback_within(
         false => (Field::Integral, settings.integral_per_s),
     };
     let resonant = margins.resonance.is_some_and(|margin| factor * margin_factor(margin.value) >= 1.0 - 1e-9);
-    let known = machine.axis(axis).and_then(|own| own.servo.drive).is_some_and(|drive| drive.states_resonance());
+    let drive = machine.axis(axis).and_then(|own| own.servo.drive);
+    let known = drive.is_some_and(|drive| drive.states_resonance());
+    let left_out = margins.notch.is_none() && drive.is_some_and(|drive| drive.gain_without_notch > 0.0);
     let needed = match (proportional, resonant) {
         _ if factor == 0.0 => NO_GAIN,
         (true, false) => {
             "60 degrees of phase margin and 12 dB of gain margin; at this ratio of the gains it may be at most"
         }
         (false, false) => "60 degrees of phase margin and 12 dB of gain margin; it may be at most",
+        (_, true) if left_out => TOO_SLOW,
         (true, true) if known => {
             "6 dB of margin at the resonances of the axis; at this ratio of the gains it may be at most"
         }
@@ -175,6 +210,9 @@ pub fn feedback_within(
     let error = ConfigError::new(field, found, needed).on(axis);
     need(factor >= 1.0, ConfigError { bound: Some(rounded_down(found * factor)), ..error })
 }
+
+const TOO_SLOW: &str = "a servo at least four times as fast as the resonance, for the notch there, or 6 dB of margin \
+                        without it; at this ratio of the gains it may be at most";
 
 const NO_GAIN: &str = "a drive that is stable by itself with gains and resonance 10 % off: no gain is safe; without \
                        [contour.feedback] the feed-forward still works; it may be at most";

@@ -34,6 +34,9 @@ pub struct DriveFigures {
     /// Frequency below which the axis has no resonance, Hz; 0: not stated, which assumes 100 Hz unless the resonance is
     /// stated.
     pub lowest_resonance_hz: f64,
+    /// Factor by which the resonance lets the gains of the contour feedback grow without a notch there; 0: no notch. Decided
+    /// where a machine is compiled ([`crate::check::decide_notches`]), not stated in `machine.toml`.
+    pub gain_without_notch: f64,
 }
 
 impl DriveFigures {
@@ -50,6 +53,7 @@ impl DriveFigures {
             resonance_hz: 0.0,
             resonance_damping: 0.0,
             lowest_resonance_hz: 0.0,
+            gain_without_notch: 0.0,
         }
     }
 

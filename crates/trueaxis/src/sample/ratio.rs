@@ -31,12 +31,14 @@
 //!
 //! T = 1.25/K_v, 0.125 s for gains of 10/s and more or unknown ones; t = 0.15 mm (deg) + backlash + two steps of the
 //! encoder. Since the correction may reach the reading or not (a stepper without encoder repeats its command), L and H
-//! enclose the motion with and without it. An axis rests once its command has not changed for 8 T. One axis a cycle, in
-//! turn.
+//! enclose the motion with and without it. An axis rests once its command has not changed for 8 T.
+//!
+//! One axis a cycle, in turn, while a reading is outside L − t/3 to H + t/3, or may still be half of a motion of more than t/3;
+//! while none is, one axis every third cycle, if every axis then has a turn in 9 ms.
 
 #![deny(clippy::indexing_slicing)]
 
-use crate::machine::AxisSettings;
+use crate::machine::{AxisOrder, AxisSettings, MachineSettings};
 use crate::position::Position;
 use crate::real::Real;
 
@@ -56,14 +58,17 @@ const FARTHER: f64 = 0.4;
 const STEADY: f64 = 1.07;
 /// Rest, in time constants.
 const REST: f64 = 8.0;
+/// Cycles from one turn to the next while all readings follow, and the longest time between two turns of an axis then, s.
+const UNHURRIED: f64 = 3.0;
+const UNHURRIED_S: f64 = 0.009;
 
 /// Limits of an axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RatioLimits<R> {
+struct RatioLimits<R> {
     /// t.
     tolerance: R,
-    /// w.
-    decay: R,
+    /// w, for a turn in every cycle and for an unhurried one.
+    decay: [R; 2],
     /// Turns without a change of the command after which the axis rests.
     rest: u16,
 }
@@ -79,6 +84,17 @@ enum Known {
     /// The same, and about half at the last mark.
     Half,
     /// Found wrong.
+    Wrong,
+}
+
+/// What a turn of an axis shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Judged {
+    /// The reading follows the motion sent with some lag, or is not compared.
+    Follows,
+    /// It may not.
+    Apart,
+    /// It is wrong.
     Wrong,
 }
 
@@ -103,16 +119,16 @@ pub(super) struct Ratio<R, P> {
 
 /// Positions of an axis in a cycle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Places<P> {
+struct Places<P> {
     /// Position sent in the last cycle.
-    pub(super) sent: P,
-    pub(super) command: P,
-    pub(super) reading: P,
+    sent: P,
+    command: P,
+    reading: P,
 }
 
 impl<R: Real, P: Position> Ratio<R, P> {
     /// An axis at rest.
-    pub(super) fn at_rest(at: Places<P>, rest: u16) -> Self {
+    fn at_rest(at: Places<P>, rest: u16) -> Self {
         let Places { sent, command, reading } = at;
         Ratio {
             sent,
@@ -127,12 +143,12 @@ impl<R: Real, P: Position> Ratio<R, P> {
         }
     }
 
-    pub(super) fn is_wrong(&self) -> bool {
+    fn is_wrong(&self) -> bool {
         self.known == Known::Wrong
     }
 
     /// The reading was found to be wrong.
-    pub(super) fn condemn(&mut self) {
+    fn condemn(&mut self) {
         self.known = Known::Wrong;
     }
 
@@ -151,45 +167,60 @@ impl<R: Real, P: Position> Ratio<R, P> {
 
 impl<R: Real> RatioLimits<R> {
     /// Of an axis that the machine does not have: it always rests.
-    pub(super) const ABSENT: Self = RatioLimits { tolerance: R::MAX, decay: R::ONE, rest: 0 };
+    const ABSENT: Self = RatioLimits { tolerance: R::MAX, decay: [R::ONE; 2], rest: 0 };
 
-    /// `turn_s`: time between two turns of the axis.
-    pub(super) fn new(settings: &AxisSettings, turn_s: f64) -> Self {
+    /// `turn_s`: time between two turns of the axis, with one in every cycle; `unhurried`: cycles to the next turn otherwise.
+    fn new(settings: &AxisSettings, turn_s: f64, unhurried: u8) -> Self {
         let gain = settings.servo.drive.map_or(SLOWEST_GAIN_PER_S, |drive| drive.position_gain_per_s);
         let lag_s = SLOWER / gain.min(SLOWEST_GAIN_PER_S);
         let tolerance = TOLERANCE + settings.backlash.abs() + STEPS * settings.encoder_resolution.unwrap_or(0.0);
         RatioLimits {
             tolerance: R::of(tolerance),
-            decay: R::of(turn_s / (lag_s + turn_s)),
+            decay: [turn_s, f64::from(unhurried) * turn_s].map(|turn_s| R::of(turn_s / (lag_s + turn_s))),
             rest: libm::ceil(REST * lag_s / turn_s).clamp(1.0, f64::from(u16::MAX)) as u16,
         }
     }
 
-    /// Whether this turn shows that the reading is wrong; then nothing has changed.
+    /// Whether nothing is compared: the reading proved right, or the axis rests on, which a turn then records.
     #[inline(always)]
-    pub(super) fn finds<P: Position>(&self, ratio: &mut Ratio<R, P>, at: Places<P>) -> bool {
-        let rest = if at.command == ratio.last { ratio.rest.saturating_add(1) } else { 0 };
+    fn passes<P: Position>(&self, ratio: &mut Ratio<R, P>, at: Places<P>, pace: u8) -> bool {
+        let still = at.command == ratio.last;
+        let rest = if still { ratio.rest.saturating_add(u16::from(pace)) } else { 0 };
+        match ratio.known {
+            Known::Enough if rest < self.rest => (ratio.last, ratio.rest) = (at.command, rest),
+            Known::Compared if still && ratio.rest >= self.rest => (ratio.sent, ratio.read) = (at.sent, at.reading),
+            _ => return false,
+        }
+        true
+    }
+
+    /// A turn, `pace` cycles after that of the axis before. Where it shows that the reading is wrong, nothing has changed.
+    #[inline(always)]
+    fn judge<P: Position>(&self, ratio: &mut Ratio<R, P>, at: Places<P>, pace: u8) -> Judged {
+        let rest = if at.command == ratio.last { ratio.rest.saturating_add(u16::from(pace)) } else { 0 };
         if matches!(ratio.known, Known::Compared | Known::Half) && rest < self.rest {
-            return self.compares(ratio, at, rest);
+            return self.compare(ratio, at, rest, pace);
         }
         if ratio.known == Known::Wrong || rest < self.rest {
             (ratio.last, ratio.rest) = (at.command, rest);
         } else {
             *ratio = Ratio::at_rest(at, rest);
         }
-        false
+        Judged::Follows
     }
 
-    /// [`finds`](Self::finds) while the motion is compared.
+    /// [`judge`](Self::judge) while the motion is compared.
     #[inline(never)]
-    fn compares<P: Position>(&self, ratio: &mut Ratio<R, P>, at: Places<P>, rest: u16) -> bool {
-        let quarter = R::HALF * R::HALF;
+    fn compare<P: Position>(&self, ratio: &mut Ratio<R, P>, at: Places<P>, rest: u16, pace: u8) -> Judged {
+        let (quarter, third) = (R::HALF * R::HALF, R::of(1.0 / 3.0) * self.tolerance);
+        let [hurried, unhurried] = self.decay;
+        let decay = if pace == 1 { hurried } else { unhurried };
         let with: R = at.sent.since_near(ratio.sent);
         let without = at.command.since_near(ratio.commanded);
         let shown: R = at.reading.since_near(ratio.read);
         let (least, most) = (with.min(without), with.max(without));
-        let low = least.min(ratio.low.add_product(self.decay, least - ratio.low));
-        let high = most.max(ratio.high.add_product(self.decay, most - ratio.high));
+        let low = least.min(ratio.low.add_product(decay, least - ratio.low));
+        let high = most.max(ratio.high.add_product(decay, most - ratio.high));
         let forward = low + high >= R::ZERO;
         let (near, far, now, shown) = if forward { (low, high, most, shown) } else { (-high, -low, -least, -shown) };
         let three_quarters = near - quarter * near - self.tolerance;
@@ -199,13 +230,14 @@ impl<R: Real> RatioLimits<R> {
         let is_less = shown < three_quarters;
         if against || shown > twice || (is_less && shown > quarter * near) || self.stays_half(ratio, [far, now, shown])
         {
-            return true;
+            return Judged::Wrong;
         }
         if !is_less && R::HALF * far < three_quarters && near + near > twice {
             ratio.known = Known::Enough;
         }
         (ratio.low, ratio.high, ratio.last, ratio.rest) = (low, high, at.command, rest);
-        false
+        let may_be_half = now > third && ratio.mark[0] < R::MAX;
+        if may_be_half || shown < near - third || shown > far + third { Judged::Apart } else { Judged::Follows }
     }
 
     /// Whether the reading shows about half of the motion at a mark, as at the last one; then nothing has changed.
@@ -227,5 +259,130 @@ impl<R: Real> RatioLimits<R> {
             (ratio.mark, ratio.known) = ([now, shown], if is_half { Known::Half } else { Known::Compared });
         }
         false
+    }
+}
+
+/// The comparison of every axis' motion: limits, and the pace while all readings follow.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ratios<R, const N: usize> {
+    axes: [RatioLimits<R>; N],
+    /// Cycles from one turn to the next while all readings follow.
+    unhurried: u8,
+}
+
+/// Motion of every axis, and whose turn it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RatioState<R, P, const N: usize> {
+    axes: [Ratio<R, P>; N],
+    /// Slot of the axis that is compared next.
+    turn: u8,
+    /// Cycles until then.
+    pause: u8,
+    /// Cycles from the last turn to this one.
+    pace: u8,
+    /// Turns in a row in which the reading followed, up to the number of axes.
+    followed: u8,
+}
+
+impl<R: Real, const N: usize> Ratios<R, N> {
+    pub(super) fn new(order: &AxisOrder<N>, machine: &MachineSettings, period_s: f64) -> Self {
+        let turn_s = N as f64 * period_s;
+        let unhurried = (UNHURRIED_S * (1.0 + 1e-9) / turn_s).clamp(1.0, UNHURRIED) as u8;
+        let limits = |own: &AxisSettings| RatioLimits::new(own, turn_s, unhurried);
+        let axes = order.slots(|axis| machine.axis(axis).map_or(RatioLimits::ABSENT, limits));
+        Ratios { axes, unhurried }
+    }
+
+    /// Compares the motion that the reading of the axis whose turn it is shows with the motion sent; `sent`: in the last cycle.
+    /// Where the reading is found to be wrong, returns `true` and changes nothing. The usual cases in a few instructions.
+    #[inline(never)]
+    pub(super) fn find<P: Position>(
+        &self,
+        state: &mut RatioState<R, P, N>,
+        sent: &[P; N],
+        command: &[P; N],
+        reading: &[P; N],
+    ) -> bool {
+        let turn = state.turn();
+        let (Some(limits), Some(ratio)) = (self.axes.get(turn), state.axes.get_mut(turn)) else { return false };
+        let (Some(sent), Some(command), Some(reading)) = (sent.get(turn), command.get(turn), reading.get(turn)) else {
+            return false;
+        };
+        let at = Places { sent: *sent, command: *command, reading: *reading };
+        if usize::from(state.followed) < N || !limits.passes(ratio, at, state.pace) {
+            return self.judge(state, at);
+        }
+        state.next(turn);
+        false
+    }
+
+    /// [`Ratios::find`] in full.
+    #[inline(never)]
+    fn judge<P: Position>(&self, state: &mut RatioState<R, P, N>, at: Places<P>) -> bool {
+        let turn = state.turn();
+        let (Some(limits), Some(ratio)) = (self.axes.get(turn), state.axes.get_mut(turn)) else { return false };
+        state.followed = match limits.judge(ratio, at, state.pace) {
+            Judged::Wrong => return true,
+            Judged::Apart => 0,
+            Judged::Follows => state.followed.saturating_add(1).min(N as u8),
+        };
+        state.pace = if usize::from(state.followed) == N { self.unhurried } else { 1 };
+        state.next(turn);
+        false
+    }
+}
+
+impl<R: Real, P: Position, const N: usize> RatioState<R, P, N> {
+    pub(super) fn new() -> Self {
+        RatioState { axes: [Ratio::default(); N], turn: 0, pause: 0, pace: 1, followed: 0 }
+    }
+
+    /// Whether it is no axis' turn in this cycle.
+    #[inline(always)]
+    pub(super) fn waits(&mut self) -> bool {
+        let Some(pause) = self.pause.checked_sub(1) else { return false };
+        self.pause = pause;
+        true
+    }
+
+    fn turn(&self) -> usize {
+        if usize::from(self.turn) < N { usize::from(self.turn) } else { 0 }
+    }
+
+    /// The axis after this one is next.
+    #[inline(always)]
+    fn next(&mut self, turn: usize) {
+        (self.turn, self.pause) = ((turn + 1) as u8, self.pace.saturating_sub(1));
+    }
+
+    /// Begins at rest at a command, as the readings are.
+    pub(super) fn rest(&mut self, command: &[P; N], reading: &[P; N]) {
+        for ((ratio, command), reading) in self.axes.iter_mut().zip(command).zip(reading) {
+            let at = Places { sent: *command, command: *command, reading: *reading };
+            *ratio = Ratio::at_rest(at, u16::MAX);
+        }
+    }
+
+    pub(super) fn axes(&mut self) -> impl Iterator<Item = &mut Ratio<R, P>> {
+        self.axes.iter_mut()
+    }
+
+    /// The reading whose turn it is was found to be wrong; if not `active`, it is only forgotten.
+    pub(super) fn found(&mut self, active: bool) {
+        let turn = self.turn();
+        if let Some(ratio) = self.axes.get_mut(turn) {
+            if active { ratio.condemn() } else { ratio.forget() }
+        }
+        self.turn = (turn + 1) as u8;
+    }
+
+    /// Forgets the readings that were found to be wrong.
+    pub(super) fn release(&mut self) {
+        self.axes.iter_mut().filter(|ratio| ratio.is_wrong()).for_each(Ratio::forget);
+    }
+
+    /// Slot of the first axis whose reading was found to be wrong.
+    pub(super) fn wrong(&self) -> Option<u8> {
+        self.axes.iter().position(Ratio::is_wrong).map(|slot| slot as u8)
     }
 }

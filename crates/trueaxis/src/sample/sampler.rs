@@ -2,7 +2,7 @@
 
 #![deny(clippy::indexing_slicing)]
 
-use super::ratio::{Places, Ratio, RatioLimits};
+use super::ratio::{Ratio, RatioState, Ratios};
 use super::{Input, Refusal, Sample, Verdict};
 use crate::error::Fault;
 use crate::machine::{AxisOrder, FaultSettings, MachineSettings};
@@ -26,7 +26,6 @@ struct Plausible<R, P: Position> {
     resume: P::Reach,
     /// The two jumps again, mm (deg), to be multiplied by the number of missing cycles.
     jumps: [R; 2],
-    ratio: RatioLimits<R>,
 }
 
 impl<R: Real, P: Position> Plausible<R, P> {
@@ -66,6 +65,7 @@ pub(crate) struct Sampler<R, P: Position, const N: usize> {
     /// From this time on a cycle counts as [`LONGEST`] periods.
     longest_ns: u32,
     per_period: R,
+    ratios: Ratios<R, N>,
 }
 
 /// Commanded distance since a reading last moved.
@@ -105,9 +105,9 @@ pub(crate) struct SampleState<R, P: Position, const N: usize> {
     /// Cycles since the last trusted reading.
     missing: [u16; N],
     suspicions: [Suspicion<P>; N],
-    ratios: [Ratio<R, P>; N],
-    /// Slot of the axis whose ratio is compared next.
-    turn: u8,
+    ratios: RatioState<R, P, N>,
+    /// Whether this cycle, which passed the quick check, shows a wrong ratio.
+    found: bool,
 }
 
 impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
@@ -125,8 +125,8 @@ impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
             feedback: [P::default(); N],
             missing: [0; N],
             suspicions: [Suspicion::default(); N],
-            ratios: [Ratio::default(); N],
-            turn: 0,
+            ratios: RatioState::new(),
+            found: false,
         }
     }
 
@@ -138,10 +138,7 @@ impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
     /// Begins at rest at the first command, as the readings are.
     #[cold]
     fn rest(&mut self, command: &[P; N]) {
-        for ((ratio, command), reading) in self.ratios.iter_mut().zip(command).zip(&self.feedback) {
-            let at = Places { sent: *command, command: *command, reading: *reading };
-            *ratio = Ratio::at_rest(at, u16::MAX);
-        }
+        self.ratios.rest(command, &self.feedback);
     }
 
     /// Accepts this cycle's command: it goes to the drives.
@@ -162,7 +159,7 @@ impl<R: Real, P: Position, const N: usize> SampleState<R, P, N> {
         for (suspicion, held) in self.suspicions.iter_mut().zip(&self.command) {
             suspicion.command = *held;
         }
-        self.ratios.iter_mut().for_each(Ratio::interrupt);
+        self.ratios.axes().for_each(Ratio::interrupt);
     }
 }
 
@@ -199,7 +196,6 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             play: P::Reach::default(),
             resume: any,
             jumps: [R::MAX; 2],
-            ratio: RatioLimits::ABSENT,
         };
         let limits = order.slots(|axis| {
             let FaultSettings { resume, command_jump_factor, feedback_jump, stuck } = machine.faults;
@@ -224,7 +220,6 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                     play: P::reach(play),
                     resume: P::reach(pick(resume)),
                     jumps: jumps.map(R::of),
-                    ratio: RatioLimits::new(settings, N as f64 * period),
                 }
             })
         });
@@ -238,6 +233,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             pace_ns: period_ns - period_ns / FAST,
             longest_ns: period_ns.saturating_mul(LONGEST),
             per_period: R::of(1.0 / f64::from(period_ns)),
+            ratios: Ratios::new(order, machine, period),
         }
     }
 
@@ -246,11 +242,11 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         self.axes.iter().zip(positions).all(|(axis, position)| position.is_within(&axis.travel))
     }
 
-    /// Quick check (`sent`: the drive positions sent last): whether this cycle, following one that passed every check, passes them too; its sample is then
-    /// [`Sample::calm`]. `false`: the full check ([`Sampler::full_check`]) is needed; anything changed here it changes in the
-    /// same way.
+    /// Quick check: whether this cycle, following one that passed every check, passes them too, apart from the ratio of the
+    /// readings ([`Sampler::compare`]); its sample is then [`Sample::calm`]. `false`: the full check ([`Sampler::full_check`]) is
+    /// needed; anything changed here it changes in the same way.
     #[inline(always)]
-    pub(crate) fn quick_check(&self, state: &mut SampleState<R, P, N>, input: &Input<P, N>, sent: &[P; N]) -> bool {
+    pub(crate) fn quick_check(&self, state: &mut SampleState<R, P, N>, input: &Input<P, N>) -> bool {
         let Some(time_ns) = self.calm_time(state, input) else { return false };
         let positions = input.feedback.iter().zip(&input.command);
         for ((axis, suspicion), (reading, command)) in self.axes.iter().zip(&mut state.suspicions).zip(positions) {
@@ -258,11 +254,31 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
                 return false;
             }
         }
-        if self.compare_ratio(state, [sent, &input.command, &input.feedback]) {
-            return false;
-        }
         (state.feedback, state.time_ns) = (input.feedback, time_ns);
         true
+    }
+
+    /// Whether no ratio is compared in this cycle, which passed the quick check; otherwise [`Sampler::compare`] follows. Apart
+    /// from the quick check, whose usual path would lose registers to a call.
+    #[inline(always)]
+    pub(crate) fn compares_nothing(&self, state: &mut SampleState<R, P, N>) -> bool {
+        state.ratios.waits()
+    }
+
+    /// Whether a cycle that passed the quick check shows a reading of a wrong ratio, which the full check then reports. `sent`:
+    /// the drive positions sent last.
+    #[inline(always)]
+    pub(crate) fn compare(&self, state: &mut SampleState<R, P, N>, input: &Input<P, N>, sent: &[P; N]) -> bool {
+        state.found = self.ratios.find(&mut state.ratios, sent, &input.command, &input.feedback);
+        state.found
+    }
+
+    /// The sample of a cycle that passed the quick check and shows a wrong ratio.
+    fn wrong_ratio<'s>(&self, state: &mut SampleState<R, P, N>, input: &'s Input<P, N>) -> Sample<'s, P, N> {
+        (state.found, state.calm) = (false, false);
+        state.ratios.found(true);
+        let axis = state.ratios.wrong().unwrap_or_default();
+        Sample { verdict: Verdict::Freeze, fault: Fault::FeedbackRatio, axis, ..Sample::calm(input) }
     }
 
     /// The time left after a cycle in which [`Sampler::full_check`] would find no fault either, apart from a stuck reading.
@@ -301,20 +317,6 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         }
     }
 
-    /// Compares the motion that one axis' reading shows with the motion sent; the next axis follows in the next cycle. Where
-    /// the reading is found to be wrong, returns `true` and changes nothing.
-    #[inline(always)]
-    fn compare_ratio(&self, state: &mut SampleState<R, P, N>, positions: [&[P; N]; 3]) -> bool {
-        let turn = if usize::from(state.turn) < N { usize::from(state.turn) } else { 0 };
-        let (Some(axis), Some(ratio)) = (self.axes.get(turn), state.ratios.get_mut(turn)) else { return false };
-        let [sent, command, reading] = positions.map(|of| of.get(turn).copied().unwrap_or_default());
-        if axis.ratio.finds(ratio, Places { sent, command, reading }) {
-            return true;
-        }
-        state.turn = (turn + 1) as u8;
-        false
-    }
-
     /// Slot of the first axis whose reading moves by a wrong ratio: from the cycle that shows it, until the compensation is
     /// switched off or a reset arrives. `compares`: a cycle on time.
     #[inline(always)]
@@ -326,17 +328,13 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         (active, compares): (bool, bool),
     ) -> Option<u8> {
         if !active {
-            state.ratios.iter_mut().filter(|ratio| ratio.is_wrong()).for_each(Ratio::forget);
+            state.ratios.release();
         }
-        let reading = state.feedback;
-        if compares && self.compare_ratio(state, [sent, command, &reading]) {
-            let turn = usize::from(state.turn) % N;
-            if let Some(ratio) = state.ratios.get_mut(turn) {
-                if active { ratio.condemn() } else { ratio.forget() }
-            }
-            state.turn = (turn + 1) as u8;
+        let compares = compares && !state.ratios.waits();
+        if compares && self.ratios.find(&mut state.ratios, sent, command, &state.feedback) {
+            state.ratios.found(active);
         }
-        state.ratios.iter().position(Ratio::is_wrong).map(|slot| slot as u8)
+        state.ratios.wrong()
     }
 
     /// The full check of a cycle. `trusted` receives the positions of command and feedback.
@@ -348,6 +346,9 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         sent: &[P; N],
         trusted: &'s mut [[P; N]; 2],
     ) -> Sample<'s, P, N> {
+        if state.found {
+            return self.wrong_ratio(state, input);
+        }
         state.calm = false;
         let first = !state.started;
         let active = input.homed && input.enable;
@@ -369,7 +370,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         }
         let (feedback_fault, feedback_axis) = self.feedback_fault(state, input, &input.command, active && !first);
         if reset {
-            state.ratios.iter_mut().for_each(Ratio::forget);
+            state.ratios.axes().for_each(Ratio::forget);
         }
         if first {
             state.rest(&input.command);
@@ -453,7 +454,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         let mut place = 0u8;
         let active = input.homed && input.enable;
         let memory =
-            state.feedback.iter_mut().zip(&mut state.missing).zip(&mut state.suspicions).zip(&mut state.ratios);
+            state.feedback.iter_mut().zip(&mut state.missing).zip(&mut state.suspicions).zip(state.ratios.axes());
         for (((axis, reading), command), (((good, missing), suspicion), ratio)) in
             self.axes.iter().zip(&input.feedback).zip(command).zip(memory)
         {
@@ -533,7 +534,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         let acceptable = matches!(fault, Fault::None | Fault::CommandJump) && within;
         // Readings are still checked, but only the stop is reported.
         if inactive {
-            state.ratios.iter_mut().for_each(Ratio::forget);
+            state.ratios.axes().for_each(Ratio::forget);
         }
         let held = state.command;
         let _ = self.feedback_fault(state, input, &held, state.active && !first);
@@ -545,7 +546,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
             {
                 *suspicion = Suspicion::from(*reading, *command);
             }
-            state.ratios.iter_mut().for_each(Ratio::forget);
+            state.ratios.axes().for_each(Ratio::forget);
             state.active = input.homed && input.enable;
             let verdict = if state.active { Verdict::Active } else { Verdict::Inactive };
             *trusted = [input.command, state.feedback];

@@ -167,10 +167,12 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) {
         if !part::FAST {
             self.any_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
-        } else if self.sampler.quick_check(&mut state.sample, input, state.output.drive()) {
+        } else if !self.sampler.quick_check(&mut state.sample, input) {
+            self.slow_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
+        } else if self.sampler.compares_nothing(&mut state.sample) {
             self.calm_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
         } else {
-            self.slow_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
+            self.comparing_cycle(state, input, &mut measure, &mut gauge, output, &mut watch);
         }
     }
 
@@ -187,6 +189,24 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         watch: &mut impl FnMut(Stage),
     ) {
         self.cycle(state, &Sample::calm(input), measure, gauge, output, watch);
+    }
+
+    /// Runs a cycle that passed the quick check and in which the ratio of a reading is compared.
+    #[inline(never)]
+    fn comparing_cycle(
+        &self,
+        state: &mut State<R, P, N>,
+        input: &Input<P, N>,
+        measure: &mut impl Measure<R, P, N>,
+        gauge: &mut impl Ride<R>,
+        output: &mut Output<R, P, N>,
+        watch: &mut impl FnMut(Stage),
+    ) {
+        if self.sampler.compare(&mut state.sample, input, state.output.drive()) {
+            self.slow_cycle(state, input, measure, gauge, output, watch);
+        } else {
+            self.calm_cycle(state, input, measure, gauge, output, watch);
+        }
     }
 
     /// Runs a cycle that needs the full check. Separate from the calm cycles, so that those repeat no check.
@@ -217,7 +237,10 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         watch: &mut impl FnMut(Stage),
     ) {
         let mut trusted = [[P::default(); N]; 2];
-        let sample = if self.sampler.quick_check(&mut state.sample, input, state.output.drive()) {
+        let is_calm = self.sampler.quick_check(&mut state.sample, input)
+            && (self.sampler.compares_nothing(&mut state.sample)
+                || !self.sampler.compare(&mut state.sample, input, state.output.drive()));
+        let sample = if is_calm {
             Sample::calm(input)
         } else {
             self.sampler.full_check(&mut state.sample, input, state.output.drive(), &mut trusted)

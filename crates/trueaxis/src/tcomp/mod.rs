@@ -17,8 +17,8 @@
 //! the table is bidirectional. From version 5 on, the number of grids follows as one byte, then for each grid
 //! [`GridHeader`] in postcard, the positions of free nodes as raw doubles and the nodes as 16-bit numbers
 //! ([`GridData`]), which are read in place. From version 6 on, a raw double for every axis follows: the step of its
-//! encoder (mm, degrees), 0 if not stated. In version 7 five raw doubles for every axis end the payload ([`additions`]), 0
-//! if not stated.
+//! encoder (mm, degrees), 0 if not stated. In version 7 five raw doubles for every axis follow ([`additions`]), 0 if not
+//! stated, and if a drive has a notch, one more for every axis ([`notch`]).
 
 mod stored;
 
@@ -408,6 +408,7 @@ impl<'a> Tcomp<'a> {
         }
         if version == VERSION {
             rest = read_additions(settings, rest)?;
+            rest = read_notches(settings, rest)?;
         }
         if rest.is_empty() { Ok(()) } else { Err(TcompError::PayloadTooLong) }
     }
@@ -542,6 +543,27 @@ fn read_additions<'a>(settings: &mut MachineSettings, mut rest: &'a [u8]) -> Res
         set_additions(axis, figures).ok_or(TcompError::Settings)?;
     }
     Ok(rest)
+}
+
+/// Factor on the gains of the contour feedback that an axis' resonance permits without a notch, which its drive has; 0: none.
+pub fn notch(settings: &AxisSettings) -> f64 {
+    settings.servo.drive.map_or(0.0, |drive| drive.gain_without_notch)
+}
+
+/// Reads the [`notch`] of every axis after the additions, if the file has them.
+fn read_notches<'a>(settings: &mut MachineSettings, rest: &'a [u8]) -> Result<&'a [u8], TcompError> {
+    if rest.len() != 8 * settings.axes.len() {
+        return Ok(rest);
+    }
+    for (axis, bytes) in settings.axes.iter_mut().zip(rest.as_chunks::<8>().0) {
+        let gain = f64::from_le_bytes(*bytes);
+        match &mut axis.servo.drive {
+            Some(drive) => drive.gain_without_notch = gain,
+            None if gain != 0.0 => return Err(TcompError::Settings),
+            None => {}
+        }
+    }
+    Ok(&[])
 }
 
 /// Reads the grids after the tables: their number, then each; in version 5 at least one.

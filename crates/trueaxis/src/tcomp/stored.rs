@@ -235,6 +235,9 @@ struct StoredDrive {
     resonance_damping: f64,
     #[serde(skip)]
     lowest_resonance_hz: f64,
+    /// Behind those, if a drive has a notch.
+    #[serde(skip)]
+    gain_without_notch: f64,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -40,6 +40,7 @@ fn everything() -> MachineSettings {
                 resonance_hz: 0.0,
                 resonance_damping: 0.0,
                 lowest_resonance_hz: 0.0,
+                gain_without_notch: 0.0,
             }),
             friction: Some(FrictionSettings {
                 coulomb_per_s: 68.0,

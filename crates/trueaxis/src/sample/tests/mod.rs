@@ -199,7 +199,8 @@ fn the_quick_check_agrees_with_the_full_check<R: Real, P: Position>(seed: u64) {
         let input = random_cycle::<P>(&mut random, &mut command, &mut feedback);
         // The drives are sent the commands.
         let sent = thorough.commanded();
-        let calm = sampler.quick_check(&mut quick, &input, &sent);
+        let calm = sampler.quick_check(&mut quick, &input)
+            && (sampler.compares_nothing(&mut quick) || !sampler.compare(&mut quick, &input, &sent));
         passed_quickly += usize::from(calm);
         let mut trusted = [[[P::default(); 3]; 2]; 2];
         let [by_quick_check, by_full_check] = &mut trusted;

@@ -20,6 +20,7 @@ pub(super) const DRIVE: DriveFigures = DriveFigures {
     resonance_hz: 0.0,
     resonance_damping: 0.0,
     lowest_resonance_hz: 5000.0,
+    gain_without_notch: 0.0,
 };
 const FRICTION: FrictionSettings = FrictionSettings {
     coulomb_per_s: 0.5,
