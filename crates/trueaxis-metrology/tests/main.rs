@@ -10,5 +10,6 @@ mod friction;
 #[cfg(feature = "std")]
 mod limacon;
 mod plant;
+mod resonance;
 mod thermal;
 mod uncertainty;

@@ -37,6 +37,11 @@ it acts like velocity feed-forward, and the uncertainties hold for every reading
 --read-after-us states it: an encoder read at the end of a cycle of 1 ms has 1000 if commands go evenly to the next, \
 500 if they are held.
 
+--find-resonance fits a second mass to the readings around reversals, starts and stops: the frequency of motor and load \
+against each other (both free) and its damping, resonance_hz and resonance_damping of [axis.X.drive]. The closed loops \
+ring at another frequency and with more damping. If a record fits one mass, the frequency is found below which it \
+excludes a resonance with 2 % damping, lowest_resonance_hz.
+
 -o friction.toml writes the sections [axis.X.friction] and, if they were found, [axis.X.drive] of a machine.toml, \
 with uncertainties, to read. -o MACHINE_DIR writes the machine of --machine, in its own folder or another one with \
 a copy of it. An axis' friction and the drive found with it belong together: all are written if one of them differs \
@@ -62,6 +67,9 @@ pub(crate) struct FrictionArgs {
     /// Find the drives' figures even if the machine states them.
     #[arg(long)]
     find_drive: bool,
+    /// Find the resonance of motor and load of each axis too.
+    #[arg(long)]
+    find_resonance: bool,
     /// Time of the encoder's reading, µs after the command of its row takes effect (negative: before); used if the command
     /// also finds the drives' figures.
     #[arg(long, value_name = "US", allow_negative_numbers = true, value_parser = read_after)]
@@ -101,8 +109,15 @@ pub(crate) fn run(arguments: &FrictionArgs) -> Result<()> {
         bar.set_message(format!("fitting axis {}, step {step}", axis.letter()));
         bar.tick();
     });
+    let (mut found, mut document) = fitted.inspect_err(|_| bar.finish_and_clear())?;
+    if arguments.find_resonance {
+        let searched = friction::resonances(&recording, &mut found, &mut |axis, step| {
+            bar.set_message(format!("resonance of axis {}, step {step}", axis.letter()));
+            bar.tick();
+        });
+        document = searched.inspect_err(|_| bar.finish_and_clear())?;
+    }
     bar.finish_and_clear();
-    let (found, document) = fitted?;
     let mut done = machine_folder::Done::default();
     if arguments.writing.decides(into)?
         && let Some(machine) = &arguments.machine

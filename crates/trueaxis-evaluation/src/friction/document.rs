@@ -2,7 +2,8 @@
 
 use crate::uncertainty::band_factor;
 use serde::Serialize;
-use trueaxis_metrology::friction::{Figure, Identified, Record, Size};
+use trueaxis_metrology::friction::{Figure, Identified, NoResonance, Record, Resonance, Size};
+use trueaxis_report::number::significant;
 
 /// Friction and drives of a record.
 #[derive(Clone, Debug, Serialize)]
@@ -47,6 +48,98 @@ pub struct AxisFound {
     pub condition: f64,
     /// Number of reversals in motion.
     pub reversals: usize,
+    /// Resonance of motor and load against each other; null if the record shows none.
+    pub resonance: Option<ResonanceFound>,
+    /// Why the record shows no resonance; null if it does, or if nobody has searched for it.
+    pub resonance_not_found: Option<String>,
+    /// If the record shows no resonance: frequency below which it excludes any with 2 % damping, Hz.
+    pub lowest_resonance_hz: Option<f64>,
+}
+
+/// Resonance of an axis; first keys as in `machine.toml`.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ResonanceFound {
+    /// Frequency with both masses free, Hz.
+    pub resonance_hz: f64,
+    /// Damping, share of critical.
+    pub resonance_damping: f64,
+    /// Mass of the load over that of motor and load.
+    pub load_share: f64,
+    /// Whether the readings are those of a scale on the load; null if an encoder on the motor explains them as well.
+    pub on_load: Option<bool>,
+    /// Whether the record determines the damping; only then are frequency and damping written into a machine.
+    pub damping_known: bool,
+    /// Standard errors of frequency, damping and share.
+    pub standard_errors: ResonanceErrors,
+    /// Half-widths of 95 % intervals.
+    pub expanded_uncertainties: ResonanceErrors,
+}
+
+/// Errors of the figures of a resonance.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ResonanceErrors {
+    /// Of the frequency, Hz.
+    pub resonance_hz: f64,
+    /// Of the damping, share of critical.
+    pub resonance_damping: f64,
+    /// Of the share of the load.
+    pub load_share: f64,
+}
+
+impl From<&Resonance> for ResonanceFound {
+    fn from(found: &Resonance) -> ResonanceFound {
+        let errors = |factor: f64| {
+            let of = |figure: Figure| factor * figure.standard_error.unwrap_or(f64::NAN);
+            ResonanceErrors {
+                resonance_hz: of(found.frequency_hz),
+                resonance_damping: of(found.damping),
+                load_share: of(found.load_share),
+            }
+        };
+        ResonanceFound {
+            resonance_hz: found.frequency_hz.value,
+            resonance_damping: found.damping.value,
+            load_share: found.load_share.value,
+            on_load: found.on_load,
+            damping_known: found.is_damping_known(),
+            standard_errors: errors(1.0),
+            expanded_uncertainties: errors(band_factor(found.degrees_of_freedom)),
+        }
+    }
+}
+
+/// Why a record shows no resonance, as a part of a sentence: found, needed.
+fn not_found(why: &NoResonance) -> String {
+    let hz = |hz: f64| significant(hz, 3);
+    match *why {
+        NoResonance::NotSeen { gain, needed } => format!(
+            "found a gain of {} variances of a reading by a second mass, needed {needed}: starts and stops with more acceleration, \
+             or less noise",
+            significant(gain, 2)
+        ),
+        NoResonance::Uncertain { frequency_hz, standard_error_hz } => format!(
+            "found {} Hz with a standard error of {} Hz, needed at most a tenth: more starts, stops and reversals",
+            hz(frequency_hz),
+            significant(standard_error_hz, 2)
+        ),
+        NoResonance::OutOfRange { limit_hz } => format!(
+            "found the best one at {} Hz, the end of the range, needed one within: from 10 Hz to a quarter of the record's rate, at \
+             most 400 Hz",
+            hz(limit_hz)
+        ),
+        NoResonance::OnePartOnly { frequency_hz } => format!(
+            "found {} Hz in one half of the record only, needed in both: no other disturbance in the record",
+            hz(frequency_hz)
+        ),
+        NoResonance::Misfit { frequency_hz, residual_rms } => format!(
+            "found {} Hz with {} µm RMS left that are not noise, needed an axis of two masses: play, a second resonance or \
+             another disturbance is in the record",
+            hz(frequency_hz),
+            significant(1e3 * residual_rms, 2)
+        ),
+        _ => "found a fit of two masses that does not settle, needed a record with more starts, stops and reversals"
+            .into(),
+    }
 }
 
 /// Figures of friction; keys as in `machine.toml`.
@@ -188,7 +281,27 @@ pub(super) fn axis(found: &Identified) -> AxisFound {
         fitted: found.fitted,
         condition: found.condition,
         reversals: found.reversals,
+        resonance: found.mechanics.and_then(|own| own.resonance.ok()).as_ref().map(ResonanceFound::from),
+        resonance_not_found: found.mechanics.and_then(|own| own.resonance.err()).as_ref().map(not_found),
+        lowest_resonance_hz: found.mechanics.and_then(|own| own.none_below_hz),
     }
+}
+
+/// What the figures of the resonance need to be said beside them.
+fn resonance_note(own: &AxisFound) -> Option<String> {
+    let letter = &own.axis;
+    if let Some(why) = &own.resonance_not_found {
+        let below =
+            own.lowest_resonance_hz.map(|hz| format!("; none with 2 % damping below {} Hz", significant(hz, 3)));
+        return Some(format!("axis {letter}: resonance not found: {why}{}", below.unwrap_or_default()));
+    }
+    let unknown = own.resonance.filter(|found| !found.damping_known)?;
+    Some(format!(
+        "axis {letter}: the record does not determine the damping of the resonance ({} % with a standard error of {} %): neither is \
+         written into a machine",
+        significant(100.0 * unknown.resonance_damping, 2),
+        significant(100.0 * unknown.standard_errors.resonance_damping, 2)
+    ))
 }
 
 impl FrictionDocument {
@@ -216,6 +329,7 @@ impl FrictionDocument {
                 }
             }
         }
+        warnings.extend(axes.iter().filter_map(resonance_note));
         FrictionDocument { samples: record.axes[0].command.len(), period_s: record.period_s, axes, warnings }
     }
 }

@@ -14,7 +14,9 @@ mod settings;
 mod shown;
 
 pub use curves::{Trace, circles, circles_again, spikes, spikes_again};
-pub use document::{AxisFound, Deviation, Drive, Errors, Friction, FrictionDocument, Glitch};
+pub use document::{
+    AxisFound, Deviation, Drive, Errors, Friction, FrictionDocument, Glitch, ResonanceErrors, ResonanceFound,
+};
 pub use recording::{Recording, columns};
 pub use settings::{additions, sections};
 pub use shown::{against, deviations};
@@ -22,7 +24,7 @@ pub use shown::{against, deviations};
 use anyhow::{Result, anyhow};
 use trueaxis::Axis;
 use trueaxis::machine::DriveFigures;
-use trueaxis_metrology::friction::{Identified, Progress, identify};
+use trueaxis_metrology::friction::{FrictionRefusal, Identified, Progress, identify};
 use trueaxis_tables::Machine;
 
 /// Two different linear axes from `X,Y`.
@@ -84,8 +86,35 @@ pub fn fit(
     given: [Option<DriveFigures>; 2],
     progress: &mut Progress<'_>,
 ) -> Result<([Identified; 2], FrictionDocument)> {
-    let found = identify(&recording.record, given, progress)
-        .map_err(|refused| anyhow!("{}: {refused}", recording.file.display()))?;
+    let found = identify(&recording.record, given, progress).map_err(|refused| named(recording, &refused))?;
     let document = FrictionDocument::new(&recording.record, &found);
     Ok((found, document))
+}
+
+/// Searches the record for the resonances of the axes whose friction was found in it, and renews the document.
+///
+/// # Errors
+/// As [`fit`].
+///
+/// Cost: for each axis several times that of [`fit`].
+pub fn resonances(
+    recording: &Recording,
+    found: &mut [Identified; 2],
+    progress: &mut Progress<'_>,
+) -> Result<FrictionDocument> {
+    for (index, own) in found.iter_mut().enumerate() {
+        let axis = own.axis;
+        let mut steps = 0;
+        let mut on_step = || {
+            steps += 1;
+            progress(axis, steps);
+        };
+        let searched = own.find_resonance(&recording.record, index, &mut on_step);
+        searched.map_err(|refused| named(recording, &refused))?;
+    }
+    Ok(FrictionDocument::new(&recording.record, found))
+}
+
+fn named(recording: &Recording, refused: &FrictionRefusal) -> anyhow::Error {
+    anyhow!("{}: {refused}", recording.file.display())
 }

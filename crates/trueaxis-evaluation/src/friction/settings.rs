@@ -39,6 +39,20 @@ fn drive(axis: &Identified) -> Option<[Entry; 5]> {
     ])
 }
 
+/// Resonance and damping as in the section `drive`, if the record determined both; or else, the frequency below which there is
+/// no resonance.
+fn mechanics(axis: &Identified) -> Vec<Entry> {
+    let Some(own) = axis.mechanics else { return Vec::new() };
+    match own.resonance {
+        Ok(found) if found.is_damping_known() => Vec::from([
+            ("resonance_hz", found.frequency_hz.value, found.frequency_hz.standard_error),
+            ("resonance_damping", found.damping.value, found.damping.standard_error),
+        ]),
+        Ok(_) => Vec::new(),
+        Err(_) => own.none_below_hz.map(|hz| ("lowest_resonance_hz", hz, None)).into_iter().collect(),
+    }
+}
+
 /// The sections `[axis.X.friction]` and, if found, `[axis.X.drive]` as they appear in `machine.toml`, each figure followed by
 /// its expanded uncertainty, 95 %; the first line names `record`.
 pub fn sections(record: &Path, found: &[Identified]) -> String {
@@ -56,9 +70,17 @@ pub fn sections(record: &Path, found: &[Identified]) -> String {
         };
         if let Some(drive) = drive(axis) {
             let given = drive.into_iter().filter(|(key, value, _)| *key != "dead_time_s" || *value > 0.0);
-            put("drive", &given.collect::<Vec<_>>());
+            put("drive", &given.chain(mechanics(axis)).collect::<Vec<_>>());
         }
         put("friction", &friction(axis));
+        if axis.drive_errors.is_none() {
+            // Beside the machine's own figures of the drive: a second section of this name would be refused.
+            for (key, value, error) in mechanics(axis) {
+                let error = error.map(|error| format!("  # ± {}", significant(half_width(error, freedom), 2)));
+                let error = error.unwrap_or_default();
+                let _ = writeln!(text, "# axis.{letter}.drive.{key} = {}{error}", plain(value));
+            }
+        }
     }
     text
 }
@@ -77,7 +99,22 @@ pub fn additions(found: &[Identified]) -> Additions {
             together: letter.to_string(),
             ..Finding::default()
         };
-        all.map(finding).collect::<Vec<_>>()
+        // A machine whose figures of the drive were given may state a higher frequency; of another one nothing is known.
+        let stated = axis.drive.lowest_resonance_hz.max(axis.drive.resonance_hz);
+        let mechanics = mechanics(axis)
+            .into_iter()
+            .filter(|(key, value, _)| *key == "resonance_hz" || *key == "resonance_damping" || *value > stated);
+        let own = mechanics.map(move |entry| {
+            let is_bound = entry.2.is_none();
+            let of = finding(("drive", entry));
+            // A bound has no uncertainty: it leaves a margin instead.
+            Finding {
+                together: if is_bound { String::new() } else { format!("{letter}, resonance") },
+                moved: is_bound,
+                ..of
+            }
+        });
+        all.map(finding).chain(own).collect::<Vec<_>>()
     };
     let fit = |axis: &Identified| {
         let before_mm = axis.glitch.before.rms;

@@ -75,6 +75,40 @@ pub fn against(found: &[Identified], truth: &[[f64; FIGURES.len()]]) -> Table {
 }
 
 impl FrictionDocument {
+    /// Resonances of all axes: one line each, also where none was found; `None` if they were not searched for.
+    fn resonances(&self) -> Option<Table> {
+        if self.axes.iter().all(|own| own.resonance.is_none() && own.resonance_not_found.is_none()) {
+            return None;
+        }
+        let rows = self.axes.iter().map(|own| {
+            let Some(found) = own.resonance else {
+                let below = own.lowest_resonance_hz.map(|hz| format!("none below {} Hz", significant(hz, 3)));
+                let blank = || Cell::from("–");
+                return vec![
+                    own.axis.as_str().into(),
+                    below.unwrap_or("not found".into()).into(),
+                    blank(),
+                    blank(),
+                    blank(),
+                    blank(),
+                    blank(),
+                ];
+            };
+            let of = |value: f64, half_width: f64| {
+                let uncertainty = Uncertainty::expanded(half_width);
+                [uncertainty.value(value), uncertainty.cell()]
+            };
+            let e = &found.expanded_uncertainties;
+            let mut row = vec![own.axis.as_str().into()];
+            row.extend(of(found.resonance_hz, e.resonance_hz));
+            row.extend(of(100.0 * found.resonance_damping, 100.0 * e.resonance_damping));
+            row.extend(of(found.load_share, e.load_share));
+            row
+        });
+        let head = ["axis", "resonance, Hz", EXPANDED, "damping, %", EXPANDED, "share of the load", EXPANDED];
+        Some(Table::new("Resonance of motor and load", head, rows))
+    }
+
     /// Tables of the document: the figures of all axes side by side, spikes, fit.
     pub fn shown(&self) -> Shown {
         let spikes = self.axes.iter().flat_map(|AxisFound { axis, glitch_um: g, .. }| {
@@ -99,11 +133,11 @@ impl FrictionDocument {
             title: "Friction at reversals".into(),
             summary: vec![format!("{} samples at {} Hz", self.samples, significant(1.0 / self.period_s, 4))],
             notes: self.warnings.clone(),
-            tables: vec![
-                figures("Figures found", self.axes.iter().map(|own| (own, None))),
-                deviations("Spikes at the reversals", "spikes", spikes),
-                Table::new("Fit", head, fit),
-            ],
+            tables: [Some(figures("Figures found", self.axes.iter().map(|own| (own, None)))), self.resonances()]
+                .into_iter()
+                .flatten()
+                .chain([deviations("Spikes at the reversals", "spikes", spikes), Table::new("Fit", head, fit)])
+                .collect(),
             ..Shown::default()
         }
     }

@@ -38,6 +38,7 @@ mod least_squares;
 mod parameters;
 mod record;
 mod refused;
+mod resonance;
 mod selection;
 mod start;
 
@@ -45,6 +46,7 @@ pub use circles::{Circle, circles};
 pub use glitch::{Deviation, Glitch, Size, Spike};
 pub use record::{Record, Recorded};
 pub use refused::FrictionRefusal;
+pub use resonance::{Mechanics, NoResonance, Resonance};
 
 use least_squares::Fit;
 use parameters::{
@@ -110,6 +112,8 @@ pub struct Identified {
     pub reversals: usize,
     /// Spikes at the reversals.
     pub glitch: Glitch,
+    /// Resonance of the axis; `None` until [`Identified::find_resonance`] has searched for it.
+    pub mechanics: Option<Mechanics>,
     values: Values,
 }
 
@@ -146,6 +150,23 @@ impl Identified {
     pub fn deviation(&self, record: &Record, index: usize) -> Result<Deviation, FrictionRefusal> {
         let (problem, _) = self.problem(record, index)?;
         Ok(glitch::deviation(&problem, &self.values))
+    }
+
+    /// Searches the record for the resonance of this axis, which is number `index` in it; `on_step` is called before every
+    /// step of a fit.
+    ///
+    /// # Errors
+    /// A record that [`identify`] would refuse before fitting.
+    ///
+    /// Cost: about that of [`identify`].
+    pub fn find_resonance(
+        &mut self,
+        record: &Record,
+        index: usize,
+        on_step: &mut dyn FnMut(),
+    ) -> Result<(), FrictionRefusal> {
+        self.mechanics = Some(resonance::mechanics(record, self, index, on_step)?);
+        Ok(())
     }
 
     fn problem(&self, record: &Record, index: usize) -> Result<(Problem, Vec<Reversal>), FrictionRefusal> {
@@ -272,6 +293,7 @@ fn identified(
         fitted: free.len(),
         reversals,
         glitch,
+        mechanics: None,
         values: found.values,
     }
 }

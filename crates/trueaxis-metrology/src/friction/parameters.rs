@@ -53,6 +53,17 @@ const KINDS: [Kind; COUNT] = [
     kind(false, -0.25, 1.25, 1e-2),
 ];
 
+/// Whether the logarithm of a parameter is varied.
+pub(super) fn is_log(parameter: usize) -> bool {
+    KINDS[parameter].log
+}
+
+/// Step of the difference quotient, away from the upper end of the range.
+pub(super) fn step(parameter: usize, at: &Values) -> f64 {
+    let kind = &KINDS[parameter];
+    if at.0[parameter] >= kind.high * 0.999 { -kind.step } else { kind.step }
+}
+
 /// Values of all parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Values(pub(super) [f64; COUNT]);
@@ -227,9 +238,7 @@ impl Problem {
         if parameter == OFFSET {
             return (0..at.len()).map(|k| if self.counts(k) { 1.0 } else { 0.0 }).collect();
         }
-        let kind = &KINDS[parameter];
-        // Step away from the upper end of the range.
-        let step = if values.0[parameter] >= kind.high * 0.999 { -kind.step } else { kind.step };
+        let step = step(parameter, values);
         let moved = self.residuals(&values.moved(parameter, step));
         moved.iter().zip(at).map(|(moved, at)| (moved - at) / step).collect()
     }

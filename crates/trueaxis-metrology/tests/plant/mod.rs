@@ -144,3 +144,90 @@ pub(crate) fn read_within(
     }
     out
 }
+
+/// Motor and load of a drive, and where it is read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mechanics {
+    /// Frequency with both masses free, Hz, and its damping, share of critical. 0: one rigid mass.
+    pub(crate) resonance_hz: f64,
+    pub(crate) damping: f64,
+    /// Mass of the load over that of both.
+    pub(crate) share: f64,
+    /// Whether a scale on the load is read, or else an encoder on the motor.
+    pub(crate) scale: bool,
+    /// Play between motor and load, mm.
+    pub(crate) play: f64,
+    /// Standard deviation of a reading, mm.
+    pub(crate) noise: f64,
+    /// Smallest step of a reading, mm.
+    pub(crate) count: f64,
+    /// A second resonance of the load, of a tenth of its mass: frequency with the rest held, Hz; 0: none.
+    pub(crate) second_hz: f64,
+}
+
+/// Readings of a motor that moves a load through a spring and a damper, with a digital position loop of this period. Positions
+/// and velocities of motor and load are integrated separately, by the method of Runge and Kutta of fourth order.
+pub(crate) fn elastic_readings(
+    command: &[f64],
+    period_s: f64,
+    (drive, friction, mechanics): (&DriveFigures, &FrictionSettings, &Mechanics),
+    seed: u64,
+) -> Vec<f64> {
+    let Mechanics { resonance_hz, damping, share, scale, play, noise, count, second_hz } = *mechanics;
+    let steps = (period_s / 25e-6).ceil() as usize;
+    let h = period_s / steps as f64;
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let omega = TAU * resonance_hz;
+    let reduced = share * (1.0 - share);
+    let (stiffness, damper) = (reduced * omega * omega, 2.0 * reduced * damping * omega);
+    let kvp = drive.velocity_gain_per_s;
+    let push = |apart: f64, rate: f64| {
+        let over = if apart > 0.0 { apart } else { (apart + play).min(0.0) };
+        let force = stiffness * over + damper * rate;
+        // Within the play nothing pushes, and a contact does not pull.
+        if play > 0.0 && (over == 0.0 || force * over < 0.0) { 0.0 } else { force }
+    };
+    let small = 0.1 * share;
+    let (hung, hung_damper) = (small * (TAU * second_hz).powi(2), 0.04 * small * TAU * second_hz);
+    // Motor, load, mass that hangs on the load; integrator, torque, friction.
+    let slope = |s: &[f64; 9], r: f64| -> [f64; 9] {
+        let [x_m, v_m, x_l, v_l, x_h, v_h, q, m, f] = *s;
+        let rigid = resonance_hz == 0.0;
+        let v = if rigid { v_m } else { v_l };
+        let ratio = v / friction.stribeck_velocity_per_s;
+        let level = kvp * friction.coulomb_per_s * (1.0 + friction.stribeck_share / (1.0 + ratio * ratio));
+        let drag = level * f + kvp * friction.viscous * v;
+        let q_dot = (r - v_m) / drive.reset_time_s;
+        let m_dot = (kvp * (r - v_m + q) - m) / drive.current_loop_s;
+        let f_dot = (v - v.abs() * f) / friction.presliding;
+        if rigid {
+            return [v_m, m - drag, v_m, m - drag, 0.0, 0.0, q_dot, m_dot, f_dot];
+        }
+        let p = push(x_m - x_l, v_m - v_l);
+        let pull = if second_hz > 0.0 { hung * (x_h - x_l) + hung_damper * (v_h - v_l) } else { 0.0 };
+        let mass = if second_hz > 0.0 { share - small } else { share };
+        [v_m, (m - p) / (1.0 - share), v_l, (p - drag + pull) / mass, v_h, -pull / small, q_dot, m_dot, f_dot]
+    };
+    let at = |s: &[f64; 9]| if scale && resonance_hz > 0.0 { s[2] } else { s[0] };
+    let mut state = [command[0], 0.0, command[0], 0.0, command[0], 0.0, 0.0, 0.0, 0.0];
+    let (mut before, mut reading) = (command[0], command[0]);
+    let mut out = Vec::new();
+    for &now in command {
+        let r =
+            drive.position_gain_per_s * (before - reading) + drive.velocity_feed_forward * (now - before) / period_s;
+        for _ in 0..steps {
+            let on = |k: &[f64; 9], part: f64| -> [f64; 9] { std::array::from_fn(|i| state[i] + part * h * k[i]) };
+            let a = slope(&state, r);
+            let b = slope(&on(&a, 0.5), r);
+            let c = slope(&on(&b, 0.5), r);
+            let d = slope(&on(&c, 1.0), r);
+            state = std::array::from_fn(|i| state[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+        }
+        before = now;
+        let deviation: f64 = StandardNormal.sample(&mut random);
+        let read = at(&state) + noise * deviation;
+        reading = if count > 0.0 { (read / count).round() * count } else { read };
+        out.push(reading);
+    }
+    out
+}
