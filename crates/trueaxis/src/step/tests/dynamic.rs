@@ -237,6 +237,28 @@ fn a_command_that_dithers_turns_nothing() {
     }
 }
 
+#[test]
+fn a_trial_that_begins_and_ends_in_motion_makes_nothing_jump() {
+    let servo = loop_of(0.0, machine(everything));
+    let mut state = servo.start();
+    let on_trial = Dynamics(Dynamics::ALL.0 | Dynamics::ON_TRIAL.0);
+    let (mut before, mut at) = ([0.0_f64; 2], 0.0);
+    for (parts, wanted) in [(Dynamics::ALL, 0.02), (on_trial, 0.0), (Dynamics::ALL, 0.02)] {
+        for _ in 0..5000 {
+            at += 20.0 * T;
+            let given = Input { dynamics: parts, ..input([at, 0.0, 0.0]) };
+            let record = cycle(servo, &mut state, &given).record;
+            let (now, [last, earlier]) = (record.dynamic.unwrap().sent[0], before);
+            assert!((now - last).abs() <= WIDE.slope_per_s * T + 1e-12);
+            assert!((now - 2.0 * last + earlier).abs() <= WIDE.acceleration_per_s2 * T * T + 1e-12);
+            assert!(!record.status.has(Status::FRICTION_OUT) && !record.status.has(Status::LAG_OUT));
+            before = [now, last];
+        }
+        // No contour error says that lag helps, so its share stays zero; in full it is (1 − k_ff) v/K_v.
+        assert!((before[0] - wanted).abs() < 1e-6, "{parts:?}: {before:?}, needed {wanted}");
+    }
+}
+
 /// A straight path along X; axis Y follows its drive like a position loop, with a disturbance added.
 fn along_x(
     feedback: bool,
