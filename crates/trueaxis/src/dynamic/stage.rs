@@ -423,8 +423,11 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             return;
         }
         let linear = state.drift.iter().zip(&self.axes).filter(|(_, act)| act.is_linear);
-        let slow = feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
-        let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active && sample.due);
+        // At rest on an end of the path an error that oscillates can be acted on only while it points one way: the integral
+        // would follow those half waves alone.
+        let rests = on.has(Dynamics::ON_TRIAL) && state.drift.iter().all(|drift| drift.velocity() == R::ZERO);
+        let acts = !rests && feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
+        let error = moment.error.filter(|_| acts && sample.verdict == Verdict::Active && sample.due);
         let errors = error.unwrap_or_default();
         if on.has(Dynamics::ON_TRIAL) {
             // What the integral corrects changes sides with friction and lag: it would double the error.

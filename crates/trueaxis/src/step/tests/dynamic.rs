@@ -303,6 +303,35 @@ fn a_constant_error_is_removed_by_the_feedback() {
 }
 
 #[test]
+fn on_trial_the_feedback_acts_on_no_error_at_rest() {
+    let servo: &'static Loop = loop_of(0.0, with_feedback(everything));
+    let line = Segment::Line { start: [0.0, 0.0, 0.0].into(), end: [100.0, 0.0, 0.0].into() };
+    let mut spans = Vec::new();
+    convert(&line, 0, [0.0, 0.0, 1.0], |span| {
+        spans.push(span);
+        Ok(())
+    })
+    .unwrap();
+    let path = Path::new(&spans, 0, false);
+    let wanted = |rule: Dynamics, speed: f64| {
+        let mut state = servo.start();
+        let mut last = None;
+        for k in 0..1000 {
+            let x = 50.0 + speed * T * f64::from(k);
+            let dynamics = Dynamics(Dynamics::ALL.0 | rule.0);
+            let given = Input { dynamics, feedback: [x, 0.005, 0.0], ..input([x, 0.0, 0.0]) };
+            last = Some(servo.step(&mut state, &given, path.at(0, x / 100.0), ()).record.dynamic.unwrap());
+        }
+        last.unwrap().feedback[1]
+    };
+    assert_eq!(wanted(Dynamics::ON_TRIAL, 0.0), 0.0);
+    for (rule, speed) in [(Dynamics::NONE, 0.0), (Dynamics::NONE, 20.0), (Dynamics::ON_TRIAL, 20.0)] {
+        let offset = wanted(rule, speed);
+        assert!(offset < -0.001, "{rule:?}, {speed} mm/s: {offset}");
+    }
+}
+
+#[test]
 fn the_watch_ramps_an_oscillation_out_and_says_so() {
     let swing = |t: f64| 0.03 * (core::f64::consts::TAU * 20.0 * t).sin();
     let (outs, mut state, servo) = along_x(true, swing, 10_000);
