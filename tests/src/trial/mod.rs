@@ -19,7 +19,8 @@ pub use plant::{Plant, Resonance};
 pub use run::{Outcome, Shape};
 pub use tally::{Bands, Improvement, Row, Tally};
 
-/// The row in which the friction adapts: it has followed the track before, as often as [`run::BEFORE`].
+/// The row in which the friction adapts: it has followed the track before, as often as [`run::BEFORE`], and is compared with
+/// no part after as many passes: a second pass starts with the friction and the integrators of the first.
 const ADAPTING: &str = "friction, adapting";
 
 /// Combinations of parts that are compared with no part: name and parts.
@@ -50,8 +51,17 @@ pub struct Case {
     pub gains: Option<[f64; 2]>,
     /// Without any part.
     pub off: Outcome,
+    /// Without any part, the track followed as often before as where the friction adapts.
+    pub off_again: Outcome,
     /// With [`PARTS`].
     pub with: [Outcome; PARTS.len()],
+}
+
+impl Case {
+    /// What a combination of parts is compared with: no part, under the same conditions.
+    pub fn without(&self, parts: usize) -> &Outcome {
+        if PARTS.get(parts).is_some_and(|(name, _)| *name == ADAPTING) { &self.off_again } else { &self.off }
+    }
 }
 
 /// What all plants of a trial have in common.

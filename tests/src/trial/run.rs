@@ -85,7 +85,8 @@ pub(super) fn run(
         }
     });
     let off = follow(&plant, &track, &cut, &servo, Dynamics::NONE, 0);
-    Case { number, plant, shape, feed_mm_per_s, cut, gains, off, with }
+    let off_again = follow(&plant, &track, &cut, &servo, Dynamics::NONE, BEFORE);
+    Case { number, plant, shape, feed_mm_per_s, cut, gains, off, off_again, with }
 }
 
 /// The machine as configured, with the largest of [`PROPORTIONAL`] that is accepted beside [`INTEGRAL_PER_S`].

@@ -176,17 +176,17 @@ impl fmt::Display for Bands {
 }
 
 fn row(parts: &'static str, i: usize, cases: &[&Case]) -> Row {
-    let ratios = || cases.iter().map(|case| (case.with[i].against(&case.off), case.number));
+    let ratios = || cases.iter().map(|case| (case.with[i].against(case.without(i)), case.number));
     let above = |limit: f64| ratios().filter(|(ratio, _)| *ratio > limit).count();
-    let p999 = cases.iter().map(|case| case.with[i].error_um.p999 / case.off.error_um.p999);
-    let rms = cases.iter().map(|case| case.with[i].error_um.rms / case.off.error_um.rms);
+    let p999 = cases.iter().map(|case| case.with[i].error_um.p999 / case.without(i).error_um.p999);
+    let rms = cases.iter().map(|case| case.with[i].error_um.rms / case.without(i).error_um.rms);
     Row {
         parts,
         plants: cases.len(),
         worse: above(WORSE),
         doubled: above(2.0),
-        unstable: cases.iter().filter(|case| case.with[i].is_unstable(&case.off)).count(),
-        chatter: cases.iter().filter(|case| case.with[i].chatters_above(&case.off)).count(),
+        unstable: cases.iter().filter(|case| case.with[i].is_unstable(case.without(i))).count(),
+        chatter: cases.iter().filter(|case| case.with[i].chatters_above(case.without(i))).count(),
         led_out: cases.iter().filter(|case| case.with[i].led_out).count(),
         largest: ratios().fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a }),
         median: [median(p999.collect()), median(rms.collect())],

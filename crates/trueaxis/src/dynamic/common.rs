@@ -108,11 +108,14 @@ impl<R: Real> Common<R> {
         (way, change): (R, R),
         parts: Dynamics,
         supplied: bool,
-        shares: &Shares<R>,
+        shares: Option<&Shares<R>>,
     ) {
         let force = if parts.has(Dynamics::ACCELERATION) { self.acceleration * change } else { R::ZERO };
-        let rise = if supplied { R::ZERO } else { shares.acceleration * (force - state.force) };
-        let lag = if parts.has(Dynamics::LAG) { shares.lag * (self.lag * way) } else { R::ZERO };
+        let mut rise = if supplied { R::ZERO } else { force - state.force };
+        let mut lag = if parts.has(Dynamics::LAG) { self.lag * way } else { R::ZERO };
+        if let Some(shares) = shares {
+            (rise, lag) = (shares.acceleration * rise, shares.lag * lag);
+        }
         state.missing = (state.missing + rise) * self.decay;
         state.before = state.offset;
         state.offset = state.offset * self.keep + (state.missing + lag);

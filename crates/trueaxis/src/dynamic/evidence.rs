@@ -14,7 +14,9 @@
 //! the host has the parts on trial ([`super::Dynamics::ON_TRIAL`]), all shares start at 0. A share rises, at most 100/s, to
 //! 0.8 p where the part explains 80 % of the error, and falls as fast to 0.8 p for p < 0.9 w, if r explains a tenth of <e, e>.
 //! Nothing is judged while r is below 0.3 µm (RMS over the time of the sums). After a move of w the sums are those of the new
-//! share, so that p stays. Otherwise all shares are 1.
+//! share, so that p stays. The share of friction ends where a reversal reaches the limit of d: beyond it d would be longer than
+//! the spike, not higher. Parts that are not on trial act in full; the step then multiplies no shares and advances nothing here.
+//! A trial that begins in motion begins at rest: r, all sums and all shares are 0.
 //!
 //! One share serves all axes: where several reverse at once, on a line, their spikes cancel in part, and taking out one
 //! alone would uncover the other. The share multiplies ΔF of friction and acceleration: a share that moves displaces
@@ -23,7 +25,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::feed_forward::{Drift, Shares};
-use crate::machine::DriveFigures;
+use crate::machine::{AxisServo, AxisSettings, DriveFigures, DynamicSettings, FrictionSettings};
 use crate::real::Real;
 
 /// Parts: friction, lag, acceleration.
@@ -70,6 +72,8 @@ struct Regressor<R> {
 pub(super) struct Evidence<R> {
     keep: [R; PARTS],
     floor: [R; PARTS],
+    /// Largest shares.
+    most: [R; PARTS],
     rate: R,
     fewest: u32,
 }
@@ -128,9 +132,14 @@ impl<R: Real> Worth<R> {
         self.parts.iter_mut().for_each(|part| part.fresh = true);
     }
 
-    /// Shares that act.
+    /// Shares that act; `None` while the parts are not on trial: they act in full, and the straight path multiplies nothing.
     #[inline(always)]
-    pub(super) fn shares(&self) -> Shares<R> {
+    pub(super) fn acting(&self) -> Option<Shares<R>> {
+        self.on_trial.then(|| self.shares())
+    }
+
+    #[inline(always)]
+    fn shares(&self) -> Shares<R> {
         let [friction, lag, acceleration] = &self.parts;
         Shares { friction: friction.share, lag: lag.share, acceleration: acceleration.share }
     }
@@ -150,15 +159,26 @@ impl<R: Real> Worth<R> {
 }
 
 impl<R: Real> Evidence<R> {
-    pub(super) fn new(period_s: f64) -> Self {
+    /// The estimate of these axes; `None` if none has drive figures.
+    pub(super) fn new<'m>(axes: impl Iterator<Item = &'m AxisSettings>, period_s: f64) -> Option<Self> {
+        let (mut any, mut friction) = (false, 1.0);
+        for settings in axes {
+            let AxisServo { drive, friction: stated, dynamic } = &settings.servo;
+            any |= drive.is_some();
+            if let (Some(drive), Some(stated)) = (drive, stated) {
+                let dynamic = dynamic.unwrap_or(DynamicSettings::with_defaults(settings.axis));
+                friction = f64::min(friction, dynamic.limits.magnitude / reversal(drive, stated));
+            }
+        }
         let turns = PARTS as f64 * period_s;
         let forgets = FORGET_S.map(|time_s| (turns / time_s).min(1.0));
-        Evidence {
+        any.then(|| Evidence {
             keep: forgets.map(|share| R::of(1.0 - share)),
             floor: forgets.map(|share| R::of(FLOOR * FLOOR / share)),
             rate: R::of((RATE_PER_S * turns).min(1.0)),
+            most: [R::of(friction), R::ONE, R::ONE],
             fewest: FEWEST.max(SHORTEST_S / turns) as u32,
-        }
+        })
     }
 
     /// Advances the part whose turn it is and judges it if the contour error can be acted on.
@@ -173,8 +193,9 @@ impl<R: Real> Evidence<R> {
     {
         let turn = worth.turn;
         worth.turn = if turn == 2 { 0 } else { turn + 1 };
-        let mut states = worth.regressors.iter_mut().zip(&mut worth.parts).zip(self.keep.iter().zip(&self.floor));
-        let Some(((regressors, part), (keep, floor))) = states.nth(usize::from(turn)) else { return };
+        let constants = self.keep.iter().zip(&self.floor).zip(&self.most);
+        let mut states = worth.regressors.iter_mut().zip(&mut worth.parts).zip(constants);
+        let Some(((regressors, part), ((keep, floor), most))) = states.nth(usize::from(turn)) else { return };
         let e = error.unwrap_or_default();
         let (mut along, mut square, mut forwards, mut way, mut size) = (R::ZERO, R::ZERO, R::ZERO, R::ZERO, R::ZERO);
         for ((regressor, (reach, drift)), e) in regressors.iter_mut().zip(axes).zip(e) {
@@ -204,13 +225,13 @@ impl<R: Real> Evidence<R> {
         part.error = part.error * *keep + size;
         part.turns = part.turns.saturating_add(1);
         if part.square > *floor && part.turns >= self.fewest {
-            self.lead(part);
+            self.lead(part, *most);
         }
     }
 
-    /// Moves the share of a part by what the sums say.
+    /// Moves the share of a part by what the sums say, up to `most`.
     #[inline(always)]
-    fn lead(&self, part: &mut Part<R>) {
+    fn lead(&self, part: &mut Part<R>, most: R) {
         let Part { along, square, error, share, .. } = *part;
         // p N and w N.
         let (best, present) = (share * square - along, share * square);
@@ -227,8 +248,9 @@ impl<R: Real> Evidence<R> {
             if towards * best <= present || best * best <= R::of(EXPLAINED) * square * without {
                 return;
             }
-            let share = (towards * best / square).min(share + self.rate).min(R::ONE);
-            part.out &= share < R::ONE;
+            // A change of the machine may have lowered `most` below the present share.
+            let share = (towards * best / square).min(share + self.rate).min(most);
+            part.out &= share < most;
             share
         };
         // The sums as they would be had the new share acted all the time: p stays.
@@ -239,6 +261,16 @@ impl<R: Real> Evidence<R> {
     }
 }
 
+/// Largest offset of the feed-forward at a reversal of friction, mm (deg): with h = ΔF e^(−t/τ) the top of
+/// k_ff u' = h − K_v u.
+fn reversal(drive: &DriveFigures, friction: &FrictionSettings) -> f64 {
+    let change = 2.0 * friction.coulomb_per_s * (1.0 + friction.stribeck_share);
+    // Both rates in 1/s; never equal, and finite without velocity feed-forward.
+    let slow = 1.0 / drive.reset_time_s;
+    let fast = drive.position_gain_per_s / drive.velocity_feed_forward.max(1e-6) + 1e-6 * slow;
+    change / drive.position_gain_per_s * libm::exp(libm::log(slow / fast) * slow / (fast - slow))
+}
+
 #[cfg(test)]
 #[allow(clippy::indexing_slicing)]
 mod tests {
@@ -246,7 +278,6 @@ mod tests {
     use super::super::feed_forward::FeedForward;
     use super::*;
     use crate::axis::Axis;
-    use crate::machine::{AxisServo, DynamicSettings, FrictionSettings};
     use crate::testing::noise::Noise;
 
     use std::vec::Vec;
@@ -277,32 +308,44 @@ mod tests {
         shares: Vec<([f64; 3], bool)>,
     }
 
+    fn drive() -> DriveFigures {
+        DriveFigures { velocity_feed_forward: SHARED, ..DriveFigures::with_defaults(KV, 400.0, 0.02) }
+    }
+
+    fn servo() -> AxisServo {
+        let friction = Some(FrictionSettings::with_defaults(1.0, 0.006));
+        AxisServo { drive: Some(drive()), friction, ..AxisServo::default() }
+    }
+
+    fn law() -> FeedForward<f64> {
+        let settings = DynamicSettings { lag: true, acceleration: true, ..DynamicSettings::with_defaults(Axis::X) };
+        FeedForward::new(&servo(), &settings, T)
+    }
+
+    /// Position on a circle after k cycles.
+    fn at(k: u32) -> [f64; 2] {
+        let angle = f64::from(k) * T * FEED / RADIUS - 0.5;
+        [RADIUS * angle.cos(), RADIUS * angle.sin()]
+    }
+
     /// A circle on which `parts` are on trial and needed only to the share `needed` of a cycle; noise of this size on the error,
     /// mm.
     fn circle(parts: Dynamics, needed: impl Fn(u32) -> f64, noise: f64, cycles: u32) -> Run {
-        let drive = DriveFigures { velocity_feed_forward: SHARED, ..DriveFigures::with_defaults(KV, 400.0, 0.02) };
-        let friction = Some(FrictionSettings::with_defaults(1.0, 0.006));
-        let servo = AxisServo { drive: Some(drive), friction, ..AxisServo::default() };
-        let settings = DynamicSettings { lag: true, acceleration: true, ..DynamicSettings::with_defaults(Axis::X) };
-        let law = FeedForward::<f64>::new(&servo, &settings, T);
-        let (evidence, reach) = (Evidence::new(T), Reach::new(Some(&drive), T));
+        let (law, reach) = (law(), Reach::new(Some(&drive()), T));
+        let axis = AxisSettings { servo: servo(), ..AxisSettings::with_defaults(Axis::X, false) };
+        let evidence = Evidence::new(core::iter::once(&axis), T).unwrap();
         let mut worth = Worth::new(true);
-        let full = Shares { friction: 1.0, lag: 1.0, acceleration: 1.0 };
         let (mut acting, mut whole) = ([Drift::default(); 2], [Drift::default(); 2]);
         let (mut sent, mut all) = ([Loop::default(); 2], [Loop::default(); 2]);
         let (mut run, mut random) = (Run { shares: Vec::new() }, Noise::new(1));
         for k in 0..cycles {
-            let at = |k: u32| {
-                let angle = f64::from(k) * T * FEED / RADIUS - 0.5;
-                [RADIUS * angle.cos(), RADIUS * angle.sin()]
-            };
             let (to, from) = (at(k + 1), at(k));
             let (shares, needed) = (worth.shares(), needed(k));
             let mut e = [0.0; 3];
             for i in 0..2 {
                 let way = to[i] - from[i];
-                let moved = sent[i].moved(law.offset(&mut acting[i], way, parts, k == 0, &shares));
-                let could = all[i].moved(law.offset(&mut whole[i], way, parts, k == 0, &full));
+                let moved = sent[i].moved(law.offset(&mut acting[i], way, parts, k == 0, Some(&shares)));
+                let could = all[i].moved(law.offset(&mut whole[i], way, parts, k == 0, None));
                 e[i] = moved - needed * could + noise * random.range(-1.0, 1.0);
             }
             let normal = (e[0] * to[0] + e[1] * to[1]) / RADIUS;
@@ -337,5 +380,37 @@ mod tests {
     fn noise_moves_no_share() {
         let run = circle(Dynamics::ALL, |_| 0.0, 2e-3, 100_000);
         assert!(run.shares.iter().all(|seen| *seen == ([0.0; 3], false)));
+    }
+
+    #[test]
+    fn at_full_shares_the_law_is_the_straight_one_to_the_bit() {
+        let (law, full) = (law(), Shares { friction: 1.0, lag: 1.0, acceleration: 1.0 });
+        let (mut straight, mut shared) = (Drift::default(), Drift::default());
+        for k in 0..10_000 {
+            let way = at(k + 1)[0] - at(k)[0];
+            let offset = law.offset(&mut straight, way, Dynamics::ALL, k == 0, None);
+            let with = law.offset(&mut shared, way, Dynamics::ALL, k == 0, Some(&full));
+            assert_eq!(offset.to_bits(), with.to_bits(), "cycle {k}");
+        }
+    }
+
+    #[test]
+    fn a_reversal_is_as_high_as_the_law_makes_it() {
+        for (shared, reset_s) in [(0.0, 0.02), (0.5, 0.02), (0.97, 0.02), (0.5, 0.2), (1.0, 1.0 / KV)] {
+            let drive =
+                DriveFigures { velocity_feed_forward: shared, ..DriveFigures::with_defaults(KV, 400.0, reset_s) };
+            // So short that friction has changed sides at once, and slower than the Stribeck velocity.
+            let friction = FrictionSettings { viscous: 0.0, ..FrictionSettings::with_defaults(1.0, 1e-6) };
+            let servo = AxisServo { drive: Some(drive), friction: Some(friction), ..AxisServo::default() };
+            let law = FeedForward::<f64>::new(&servo, &DynamicSettings::with_defaults(Axis::X), 1e-4);
+            let (mut drift, mut largest) = (Drift::default(), 0.0_f64);
+            for k in 0..40_000 {
+                let way = if k < 20_000 { 1e-5 } else { -1e-5 };
+                let offset = law.offset(&mut drift, way, Dynamics::FRICTION, k == 0, None);
+                largest = largest.max(if k < 20_000 { 0.0 } else { offset.abs() });
+            }
+            let stated = reversal(&drive, &friction);
+            assert!((largest / stated - 1.0).abs() < 0.03, "{shared}, {reset_s}: {largest}, stated {stated}");
+        }
     }
 }

@@ -14,9 +14,8 @@
 //! return through a, with a gain of 1/(K_vp T). The last line is k_ff u' = h + (1 − k_ff) v − K_v u, exact for inputs
 //! that are constant over a period; for k_ff = 0 it is u = (h + v)/K_v. Where the machine states a lag L, it takes the
 //! place of the drive's own: L K_v instead of 1 − k_ff. Where friction adapts ([`super::adapt`]), its factors multiply F_c
-//! and 1/z. Shares of ΔF and of the velocity lead a part that harms out ([`super::evidence`]). Cost: two divisions and some
-//! 20 multiplications
-//! and additions per axis.
+//! and 1/z. On trial, shares of ΔF and of the velocity lead a part that harms out ([`super::evidence`]). Cost: two divisions
+//! and some 20 multiplications and additions per axis.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -63,7 +62,7 @@ pub(super) struct Drift<R> {
     velocity: R,
     /// Factors on the identified friction.
     pub(super) factors: Factors<R>,
-    /// F of friction and of acceleration, and (1 − k_ff) v, at their full figures.
+    /// F of friction and of acceleration, and (1 − k_ff) v, at their full figures; followed while the parts are on trial.
     sliding: R,
     accelerating: R,
     lag: R,
@@ -118,6 +117,16 @@ impl<R: Real> Drift<R> {
         self.force += force;
         self.sliding += force;
         self.missing = self.missing * factor;
+    }
+
+    /// The rise of the force that the shares leave out, nothing at full shares; takes over F of friction, F of acceleration
+    /// and (1 − k_ff) v of the cycle.
+    #[inline(never)]
+    fn withheld(&mut self, shares: &Shares<R>, sliding: R, accelerating: R, lag: R) -> R {
+        let withheld = (R::ONE - shares.friction) * (sliding - self.sliding)
+            + (R::ONE - shares.acceleration) * (accelerating - self.accelerating);
+        (self.sliding, self.accelerating, self.lag) = (sliding, accelerating, lag);
+        withheld
     }
 
     /// F of friction at its full share.
@@ -236,7 +245,8 @@ impl<R: Real> FeedForward<R> {
         if self.gain == R::ZERO { R::ZERO } else { state.offset }
     }
 
-    /// The offset of a cycle in which the axis moves by `way`. `supplied`: the drive already supplies the present force.
+    /// The offset of a cycle in which the axis moves by `way`. `supplied`: the drive already supplies the present force;
+    /// `shares`: while the parts are on trial.
     #[inline(always)]
     pub(super) fn offset(
         &self,
@@ -244,7 +254,7 @@ impl<R: Real> FeedForward<R> {
         way: R,
         parts: Dynamics,
         supplied: bool,
-        shares: &Shares<R>,
+        shares: Option<&Shares<R>>,
     ) -> R {
         let change = way - state.velocity;
         let ahead = self.ahead(way, change);
@@ -259,18 +269,18 @@ impl<R: Real> FeedForward<R> {
             accelerating = self.acceleration * change;
             force += accelerating;
         }
-        let mut rise = R::ZERO;
-        if !supplied {
-            // What the shares leave out; nothing, to the bit, at full shares.
-            let withheld = (R::ONE - shares.friction) * (sliding - state.sliding)
-                + (R::ONE - shares.acceleration) * (accelerating - state.accelerating);
-            rise = (force - state.force) - withheld;
+        let mut rise = if supplied { R::ZERO } else { force - state.force };
+        let mut lag = if parts.has(Dynamics::LAG) { self.lag * way } else { R::ZERO };
+        if let Some(shares) = shares {
+            let withheld = state.withheld(shares, sliding, accelerating, lag);
+            if !supplied {
+                rise = rise - withheld;
+            }
+            lag = shares.lag * lag;
         }
-        let lag = if parts.has(Dynamics::LAG) { self.lag * way } else { R::ZERO };
         state.missing = (state.missing + rise) * self.decay;
-        state.offset = state.offset * self.keep + (state.missing + shares.lag * lag) * self.gain;
+        state.offset = state.offset * self.keep + (state.missing + lag) * self.gain;
         (state.force, state.velocity) = (force, way);
-        (state.sliding, state.accelerating, state.lag) = (sliding, accelerating, lag);
         state.offset
     }
 }

@@ -129,8 +129,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         });
         let crosstalk = (!machine.crosstalk.is_empty()).then_some(crosstalk);
         let common = Common::new(order.settings(machine).into_iter().flatten(), period_s);
-        let drives = order.settings(machine).into_iter().flatten().any(|settings| settings.servo.drive.is_some());
-        let evidence = drives.then(|| Evidence::new(period_s));
+        let evidence = Evidence::new(order.settings(machine).into_iter().flatten(), period_s);
         let takes_up = axes.iter().any(|act| act.takes_up);
         let mut filters = None;
         for (axis, notch) in notches(machine, period_s) {
@@ -333,7 +332,7 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         if sample.input.reset {
             state.worth = Worth::new(on.has(Dynamics::ON_TRIAL));
         }
-        let shares = state.worth.shares();
+        let shares = state.worth.acting();
         let mut changes = [R::ZERO; N];
         let drift = state.drift.iter_mut().zip(&mut state.shared);
         let memory = drift.zip(&mut state.command).zip(&mut state.geometric_before);
@@ -358,9 +357,9 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 continue;
             }
             *change = way - was;
-            *offset = act.law.offset(drift, way, on, supplied, &shares);
+            *offset = act.law.offset(drift, way, on, supplied, shares.as_ref());
             if let (Some(common), true) = (&self.common, act.shares) {
-                common.advance(shared, (way, *change), on, supplied, &shares);
+                common.advance(shared, (way, *change), on, supplied, shares.as_ref());
             }
         }
         if let Some(adaptation) = &self.adaptation {
@@ -424,8 +423,11 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
             return;
         }
         let linear = state.drift.iter().zip(&self.axes).filter(|(_, act)| act.is_linear);
-        let slow = feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
-        let error = moment.error.filter(|_| slow && sample.verdict == Verdict::Active && sample.due);
+        // At rest on an end of the path an error that oscillates can be acted on only while it points one way: the integral
+        // would follow those half waves alone.
+        let rests = on.has(Dynamics::ON_TRIAL) && state.drift.iter().all(|drift| drift.velocity() == R::ZERO);
+        let acts = !rests && feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
+        let error = moment.error.filter(|_| acts && sample.verdict == Verdict::Active && sample.due);
         let errors = error.unwrap_or_default();
         if on.has(Dynamics::ON_TRIAL) {
             // What the integral corrects changes sides with friction and lag: it would double the error.

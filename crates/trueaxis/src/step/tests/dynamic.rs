@@ -238,6 +238,28 @@ fn a_command_that_dithers_turns_nothing() {
     }
 }
 
+#[test]
+fn a_trial_that_begins_and_ends_in_motion_makes_nothing_jump() {
+    let servo = loop_of(0.0, machine(everything));
+    let mut state = servo.start();
+    let on_trial = Dynamics(Dynamics::ALL.0 | Dynamics::ON_TRIAL.0);
+    let (mut before, mut at) = ([0.0_f64; 2], 0.0);
+    for (parts, wanted) in [(Dynamics::ALL, 0.02), (on_trial, 0.0), (Dynamics::ALL, 0.02)] {
+        for _ in 0..5000 {
+            at += 20.0 * T;
+            let given = Input { dynamics: parts, ..input([at, 0.0, 0.0]) };
+            let record = cycle(servo, &mut state, &given).record;
+            let (now, [last, earlier]) = (record.dynamic.unwrap().sent[0], before);
+            assert!((now - last).abs() <= WIDE.slope_per_s * T + 1e-12);
+            assert!((now - 2.0 * last + earlier).abs() <= WIDE.acceleration_per_s2 * T * T + 1e-12);
+            assert!(!record.status.has(Status::FRICTION_OUT) && !record.status.has(Status::LAG_OUT));
+            before = [now, last];
+        }
+        // No contour error says that lag helps, so its share stays zero; in full it is (1 − k_ff) v/K_v.
+        assert!((before[0] - wanted).abs() < 1e-6, "{parts:?}: {before:?}, needed {wanted}");
+    }
+}
+
 /// A straight path along X; axis Y follows its drive like a position loop, with a disturbance added.
 fn along_x(
     feedback: bool,
@@ -278,6 +300,35 @@ fn a_constant_error_is_removed_by_the_feedback() {
         let on = last(true);
         assert!(on.record.tip.error < 1e-5, "{}", on.record.tip.error);
         assert!((on.record.dynamic.unwrap().feedback[1] + disturbance).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn on_trial_the_feedback_acts_on_no_error_at_rest() {
+    let servo: &'static Loop = loop_of(0.0, with_feedback(everything));
+    let line = Segment::Line { start: [0.0, 0.0, 0.0].into(), end: [100.0, 0.0, 0.0].into() };
+    let mut spans = Vec::new();
+    convert(&line, 0, [0.0, 0.0, 1.0], |span| {
+        spans.push(span);
+        Ok(())
+    })
+    .unwrap();
+    let path = Path::new(&spans, 0, false);
+    let wanted = |rule: Dynamics, speed: f64| {
+        let mut state = servo.start();
+        let mut last = None;
+        for k in 0..1000 {
+            let x = 50.0 + speed * T * f64::from(k);
+            let dynamics = Dynamics(Dynamics::ALL.0 | rule.0);
+            let given = Input { dynamics, feedback: [x, 0.005, 0.0], ..input([x, 0.0, 0.0]) };
+            last = Some(servo.step(&mut state, &given, path.at(0, x / 100.0), ()).record.dynamic.unwrap());
+        }
+        last.unwrap().feedback[1]
+    };
+    assert_eq!(wanted(Dynamics::ON_TRIAL, 0.0), 0.0);
+    for (rule, speed) in [(Dynamics::NONE, 0.0), (Dynamics::NONE, 20.0), (Dynamics::ON_TRIAL, 20.0)] {
+        let offset = wanted(rule, speed);
+        assert!(offset < -0.001, "{rule:?}, {speed} mm/s: {offset}");
     }
 }
 
