@@ -77,7 +77,7 @@ fn interface(name: &str, body: &[&str]) -> String {
 
 fn union(name: &str, body: &[&str]) -> String {
     let mut variants: Vec<String> = Vec::new();
-    for line in body.iter().map(|line| line.trim()).filter(|line| !line.starts_with("///")) {
+    for line in body.iter().map(|line| line.trim()).filter(|line| !line.starts_with("///") && !line.starts_with('#')) {
         let last = variants.last_mut().filter(|last| last.starts_with('{') && !last.ends_with('}'));
         match (last, line) {
             (Some(last), "},") => *last = format!("{} }}", last.trim_end_matches(';')),
