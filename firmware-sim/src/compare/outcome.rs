@@ -156,6 +156,9 @@ pub(super) fn faults(rows: &[Row]) -> Vec<(u8, usize)> {
     counts.into_iter().collect()
 }
 
+/// Name of a figure, and its cell for a core.
+type FigureOfCore<'f> = (&'f str, &'f dyn Fn(&Comparison) -> Cell);
+
 /// Comparison of all cores.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -193,7 +196,7 @@ impl Outcome {
         }
     }
 
-    fn table(&self, caption: &str, rows: &[(&str, &dyn Fn(&Comparison) -> Cell)]) -> Table {
+    fn table(&self, caption: &str, rows: &[FigureOfCore<'_>]) -> Table {
         let cores = self.comparisons.iter().map(|one| one.core.title());
         let rows = rows
             .iter()

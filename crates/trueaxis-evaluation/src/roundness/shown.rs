@@ -119,17 +119,19 @@ fn profile(profile: &[f64]) -> Plot {
     over_angle("Profile", "Mean profile behind the filter", ("profile", "µm"), vec![curve])
 }
 
+/// Chooses one of two values.
+type OfTwo = fn(f64, f64) -> f64;
+
 /// Mean contours in both directions, and the ends of the single revolutions at every angle.
 fn motion(directions: [&ErrorMotion; 2]) -> Plot {
     let mut curves = Vec::new();
     for (colour, (of, name)) in directions.into_iter().zip(DIRECTIONS).enumerate() {
         let mean = &of.mean_contour;
         curves.push(Curve::new(name, colour, mean.clone()));
-        let ends: [(&str, f64, fn(f64, f64) -> f64); 2] =
-            [("lowest", f64::INFINITY, f64::min), ("highest", f64::NEG_INFINITY, f64::max)];
+        let ends: [(&str, OfTwo); 2] = [("lowest", f64::min), ("highest", f64::max)];
         if of.revolutions.len() > mean.len() {
-            curves.extend(ends.map(|(end, start, of_two)| {
-                let mut values = vec![start; mean.len()];
+            curves.extend(ends.map(|(end, of_two)| {
+                let mut values = vec![f64::NAN; mean.len()];
                 for revolution in of.revolutions.chunks_exact(mean.len()) {
                     values.iter_mut().zip(revolution).for_each(|(value, one)| *value = of_two(*value, *one));
                 }
