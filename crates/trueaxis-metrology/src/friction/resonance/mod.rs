@@ -343,7 +343,7 @@ fn judged(data: &Data, rigid: &Fit, best: &Fit, other: Option<&Fit>) -> Result<R
     let halves = [rigid.halves(data), best.halves(data)];
     let gains: [f64; 2] = std::array::from_fn(|i| halves[0][i] - halves[1][i]);
     let gain = (gains[0] + gains[1]) / (variance * inflation);
-    if !(gain >= FOUND) {
+    if gain.is_nan() || gain < FOUND {
         return Err(NoResonance::NotSeen { gain: gain.max(0.0), needed: FOUND });
     }
     let omega = best.at.get(RESONANCE);
@@ -385,7 +385,7 @@ fn judged(data: &Data, rigid: &Fit, best: &Fit, other: Option<&Fit>) -> Result<R
     };
     let frequency = figure(RESONANCE, 1.0 / TAU);
     let standard_error_hz = frequency.standard_error.unwrap_or(f64::INFINITY);
-    if !(standard_error_hz <= LOOSE * frequency.value) {
+    if standard_error_hz.is_nan() || standard_error_hz > LOOSE * frequency.value {
         return Err(NoResonance::Uncertain { frequency_hz: frequency.value, standard_error_hz });
     }
     Ok(Resonance {
