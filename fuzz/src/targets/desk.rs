@@ -148,7 +148,6 @@ fn roundness(name: &str, a: &mut Parameters<'_>, dear: bool) {
         "roundness_evaluate" if dear => json(roundness_evaluate(a.name(), a.text(), a.text())),
         "roundness_trace" => json(roundness_trace(a.name(), a.text())),
         "roundness_polar" => html(roundness_polar(a.switch(), a.switch(), a.switch(), a.switch())),
-        "roundness_curve" => finite(roundness_curve(a.text())),
         "roundness_orbit" => html(roundness_orbit()),
         "probe_angles_curve" if dear => json(probe_angles_curve(a.text())),
         "probe_angles_open" if dear => drop(checked(probe_angles_open(a.text()))),
@@ -189,7 +188,8 @@ fn grinding(name: &str, a: &mut Parameters<'_>, dear: bool) {
     match name {
         "grinding_open" if dear => drop(checked(grinding_open(a.text(), a.text()))),
         "grinding_advance" => drop(checked(grinding_advance(a.count() as u32))),
-        "grinding_curve" => finite(grinding_curve(a.switch(), a.switch())),
+        "grinding_plots" => json(grinding_plots()),
+        "grinding_finish" => json(grinding_finish()),
         _ => {}
     }
 }

@@ -62,6 +62,8 @@ const HOPELESS: f64 = 4.0;
 /// Variances by which the squares must fall for a resonance to be found, and grow for one to be excluded.
 const FOUND: f64 = 40.0;
 const EXCLUDED: f64 = 100.0;
+/// Fall up to which one mass explains a record as well as two.
+const RIGID: f64 = 10.0;
 /// Largest excess of neighbouring residuals over independent ones; an encoder's subdivisional error causes a few times.
 const COLOURED: f64 = 12.0;
 /// Share of that fall that each half of the record must contain.
@@ -295,8 +297,10 @@ fn search([rough, fine]: [&Data; 2], start: Point, on_step: &mut dyn FnMut()) ->
     let one = fit::fit(fine, rigid.at, &free, variance, FEW, on_step);
     let Some(first) = last.first() else { return none(NoResonance::NoConvergence) };
     let resonance = judged(fine, &one, first, last.get(1));
-    // Of a record that one mass does not explain, nothing is known about a lower resonance either.
-    Mechanics { resonance, none_below_hz: None }
+    // Of a record that a second mass may explain better, nothing is known about a lower resonance either.
+    let is_rigid = matches!(resonance, Err(NoResonance::NotSeen { gain, .. }) if gain < RIGID);
+    let none_below_hz = if is_rigid { none_below(rough, &rigid, variance, on_step) } else { None };
+    Mechanics { resonance, none_below_hz }
 }
 
 /// What is left of the squares of a plant with a second mass after one step of the figures of a rigid fit, and that plant.
@@ -339,7 +343,7 @@ fn judged(data: &Data, rigid: &Fit, best: &Fit, other: Option<&Fit>) -> Result<R
     let halves = [rigid.halves(data), best.halves(data)];
     let gains: [f64; 2] = std::array::from_fn(|i| halves[0][i] - halves[1][i]);
     let gain = (gains[0] + gains[1]) / (variance * inflation);
-    if !(gain >= FOUND) {
+    if gain.is_nan() || gain < FOUND {
         return Err(NoResonance::NotSeen { gain: gain.max(0.0), needed: FOUND });
     }
     let omega = best.at.get(RESONANCE);
@@ -381,7 +385,7 @@ fn judged(data: &Data, rigid: &Fit, best: &Fit, other: Option<&Fit>) -> Result<R
     };
     let frequency = figure(RESONANCE, 1.0 / TAU);
     let standard_error_hz = frequency.standard_error.unwrap_or(f64::INFINITY);
-    if !(standard_error_hz <= LOOSE * frequency.value) {
+    if standard_error_hz.is_nan() || standard_error_hz > LOOSE * frequency.value {
         return Err(NoResonance::Uncertain { frequency_hz: frequency.value, standard_error_hz });
     }
     Ok(Resonance {
