@@ -274,7 +274,7 @@ impl<R: Real> FeedForward<R> {
         if let Some(shares) = shares {
             let withheld = state.withheld(shares, sliding, accelerating, lag);
             if !supplied {
-                rise = rise - withheld;
+                rise -= withheld;
             }
             lag = shares.lag * lag;
         }
