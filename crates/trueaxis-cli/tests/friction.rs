@@ -235,24 +235,25 @@ fn friction_goes_into_a_machine_by_the_rule_of_all_commands() {
     assert!(folder.read("forced/machine.toml").contains("[axis.Y.friction]"));
 }
 
-/// The drive that makes the record has one mass.
+/// The drive that makes the record has one mass. Counts of 1 µm keep the search short.
 #[test]
-fn a_rigid_drive_gets_no_resonance_but_a_frequency_below_which_it_has_none() {
-    let folder = folder(&on_circles(3.004, &[25.0, -25.0, 10.0, -10.0]));
-    let call = [&CALL[..], &["--find-resonance", "--json", "-o", "found"]].concat();
-    let found = folder.json(&call);
-    let text = folder.read("found/machine.toml");
+fn a_rigid_drive_gets_no_resonance_and_a_note_says_what_was_found_and_needed() {
+    let fine = on_circles(3.004, &[25.0, -25.0, 10.0, -10.0]);
+    let coarse = |(column, text): (usize, &str)| match text.parse::<f64>() {
+        Ok(value) if column == 2 || column == 4 => format!("{value:.3}"),
+        _ => text.to_owned(),
+    };
+    let line = |line: &str| line.split(',').enumerate().map(coarse).collect::<Vec<_>>().join(",");
+    let folder = folder(&fine.lines().map(line).collect::<Vec<_>>().join("\n"));
+    let found = folder.json(&[&CALL[..], &["--find-resonance", "--json", "-o", "found"]].concat());
     for axis in found["axes"].as_array().unwrap() {
         assert!(axis["resonance"].is_null(), "{axis}");
         let why = axis["resonance_not_found"].as_str().unwrap();
-        assert!(why.starts_with("found a gain of ") && why.contains("needed 40"), "{why}");
-        let lowest = axis["lowest_resonance_hz"].as_f64().unwrap();
-        assert!(lowest > 100.0, "{axis}");
-        let note =
-            format!("axis {}: resonance not found: {why}; none with 2 to 10 % damping", axis["axis"].as_str().unwrap());
-        assert!(found["warnings"].as_array().unwrap().iter().any(|said| said.as_str().unwrap().starts_with(&note)));
-        assert!(text.contains(&format!("lowest_resonance_hz = {lowest}")), "{lowest} in {text}");
+        assert!(why.starts_with("found a gain of ") && why.contains(", needed 40: "), "{why}");
+        let note = format!("axis {}: resonance not found: {why}", axis["axis"].as_str().unwrap());
+        let notes = found["warnings"].as_array().unwrap();
+        assert!(notes.iter().any(|said| said.as_str().unwrap().starts_with(&note)), "{note} in {notes:?}");
     }
-    assert!(!text.contains("resonance_damping"), "{text}");
-    folder.good(&["tables", "check", "found"]);
+    let text = folder.read("found/machine.toml");
+    assert!(text.contains("[axis.X.friction]") && !text.contains("resonance_hz = "), "{text}");
 }

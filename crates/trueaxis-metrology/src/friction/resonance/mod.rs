@@ -326,7 +326,7 @@ fn none_below(data: &Data, rigid: &Fit, noise: f64, on_step: &mut dyn FnMut()) -
     // One step is not enough to exclude a plant whose gains the rigid fit misjudges: fits decide at the last candidates.
     while let Some(hz) = candidates.pop() {
         let explains = nearest(hz).into_iter().any(|(_, at)| {
-            let fit = fit::fit(data, at, &data.free(None), noise, 4 * FEW, on_step);
+            let fit = fit::fit(data, at, &data.free(None), noise, 2 * FEW, on_step);
             // A fit on its way excludes nothing.
             fit.cost <= if fit.settled { limit } else { HOPELESS * limit }
         });
