@@ -20,9 +20,9 @@ const DRIVES: &str = "[axis.X.drive]\nposition_gain_per_s = 110\nvelocity_gain_p
     [axis.Y.drive]\nposition_gain_per_s = 110\nvelocity_gain_per_s = 800\nreset_time_s = 0.006\n\
     velocity_feed_forward = 0.93\n";
 
-/// Commands on circles of 15.004 mm from rest to rest: feeds in mm/s, positive counterclockwise.
-fn commands(feeds: &[f64]) -> [Vec<f64>; 2] {
-    let (radius, ramp, mut angle) = (15.004, 0.05, 0.4f64);
+/// Commands on circles from rest to rest: radius in mm, feeds in mm/s, positive counterclockwise.
+fn commands(radius: f64, feeds: &[f64]) -> [Vec<f64>; 2] {
+    let (ramp, mut angle) = (0.05, 0.4f64);
     let mut command = [Vec::new(), Vec::new()];
     for &feed in feeds {
         let duration = 1.5 * TAU * radius / feed.abs() + ramp;
@@ -58,7 +58,11 @@ fn readings(command: &[f64]) -> Vec<f64> {
 }
 
 fn text(feeds: &[f64]) -> String {
-    let [x, y] = commands(feeds);
+    on_circles(15.004, feeds)
+}
+
+fn on_circles(radius: f64, feeds: &[f64]) -> String {
+    let [x, y] = commands(radius, feeds);
     let [read_x, read_y] = [readings(&x), readings(&y)];
     let mut text = String::from("t_s,x_cmd_mm,x_mm,y_cmd_mm,y_mm\n");
     for k in 0..x.len() {
@@ -105,6 +109,7 @@ fn friction_is_found_and_what_is_written_is_a_machine_s() {
         let size = |of: &str| axis["glitch_um"][of]["max"].as_f64().unwrap();
         assert!(size("before") > 1.0 && size("after") < 0.15 * size("before"), "{}", axis["glitch_um"]);
         assert!(axis["explained"].as_f64().unwrap() > 0.98);
+        assert!(axis["resonance"].is_null() && axis["resonance_not_found"].is_null(), "nobody asked: {axis}");
     }
     let page = folder.read("out/friction.html");
     assert!(page.contains("Axis Y, ") && page.contains("after, expected"));
@@ -228,4 +233,27 @@ fn friction_goes_into_a_machine_by_the_rule_of_all_commands() {
     };
     assert!(said["written"].as_array().unwrap().iter().all(forced), "{said}");
     assert!(folder.read("forced/machine.toml").contains("[axis.Y.friction]"));
+}
+
+/// The drive that makes the record has one mass. Counts of 1 µm keep the search short.
+#[test]
+fn a_rigid_drive_gets_no_resonance_and_a_note_says_what_was_found_and_needed() {
+    let fine = on_circles(3.004, &[25.0, -25.0, 10.0, -10.0]);
+    let coarse = |(column, text): (usize, &str)| match text.parse::<f64>() {
+        Ok(value) if column == 2 || column == 4 => format!("{value:.3}"),
+        _ => text.to_owned(),
+    };
+    let line = |line: &str| line.split(',').enumerate().map(coarse).collect::<Vec<_>>().join(",");
+    let folder = folder(&fine.lines().map(line).collect::<Vec<_>>().join("\n"));
+    let found = folder.json(&[&CALL[..], &["--find-resonance", "--json", "-o", "found"]].concat());
+    for axis in found["axes"].as_array().unwrap() {
+        assert!(axis["resonance"].is_null(), "{axis}");
+        let why = axis["resonance_not_found"].as_str().unwrap();
+        assert!(why.starts_with("found a gain of ") && why.contains(", needed 40: "), "{why}");
+        let note = format!("axis {}: resonance not found: {why}", axis["axis"].as_str().unwrap());
+        let notes = found["warnings"].as_array().unwrap();
+        assert!(notes.iter().any(|said| said.as_str().unwrap().starts_with(&note)), "{note} in {notes:?}");
+    }
+    let text = folder.read("found/machine.toml");
+    assert!(text.contains("[axis.X.friction]") && !text.contains("resonance_hz = "), "{text}");
 }

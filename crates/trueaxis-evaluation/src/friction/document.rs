@@ -52,7 +52,7 @@ pub struct AxisFound {
     pub resonance: Option<ResonanceFound>,
     /// Why the record shows no resonance; null if it does, or if nobody has searched for it.
     pub resonance_not_found: Option<String>,
-    /// If the record shows no resonance: frequency below which it excludes any with 2 % damping, Hz.
+    /// If the record shows no resonance: frequency below which it excludes any with 2 to 10 % damping, Hz.
     pub lowest_resonance_hz: Option<f64>,
 }
 
@@ -292,7 +292,7 @@ fn resonance_note(own: &AxisFound) -> Option<String> {
     let letter = &own.axis;
     if let Some(why) = &own.resonance_not_found {
         let below =
-            own.lowest_resonance_hz.map(|hz| format!("; none with 2 % damping below {} Hz", significant(hz, 3)));
+            own.lowest_resonance_hz.map(|hz| format!("; none with 2 to 10 % damping below {} Hz", significant(hz, 3)));
         return Some(format!("axis {letter}: resonance not found: {why}{}", below.unwrap_or_default()));
     }
     let unknown = own.resonance.filter(|found| !found.damping_known)?;

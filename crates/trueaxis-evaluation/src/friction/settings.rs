@@ -4,6 +4,7 @@ use super::document::degrees_of_freedom;
 use crate::shown::half_width;
 use std::fmt::Write;
 use std::path::Path;
+use trueaxis::check::assumed_lowest_hz;
 use trueaxis_metrology::friction::{Figure, Identified};
 use trueaxis_report::number::significant;
 use trueaxis_tables::Additions;
@@ -12,6 +13,11 @@ use trueaxis_tables::text::acts;
 
 /// Key in a section of an axis, value, standard error.
 type Entry = (&'static str, f64, Option<f64>);
+
+/// Degrees of freedom of the standard errors of the resonance, if one is found.
+fn resonance_freedom(axis: &Identified) -> Option<f64> {
+    Some(axis.mechanics?.resonance.ok()?.degrees_of_freedom)
+}
 
 /// The figures of an axis as in its section `friction`.
 fn friction(axis: &Identified) -> [Entry; 5] {
@@ -62,9 +68,11 @@ pub fn sections(record: &Path, found: &[Identified]) -> String {
     );
     for axis in found {
         let (letter, freedom) = (axis.axis.letter(), degrees_of_freedom(axis));
+        let of_resonance = resonance_freedom(axis).unwrap_or(freedom);
         let mut put = |section: &str, entries: &[Entry]| {
             let _ = writeln!(text, "\n[axis.{letter}.{section}]");
             for (key, value, error) in entries {
+                let freedom = if key.starts_with("resonance") { of_resonance } else { freedom };
                 line(&mut text, key, *value, error.map(|error| half_width(error, freedom)));
             }
         };
@@ -76,7 +84,7 @@ pub fn sections(record: &Path, found: &[Identified]) -> String {
         if axis.drive_errors.is_none() {
             // Beside the machine's own figures of the drive: a second section of this name would be refused.
             for (key, value, error) in mechanics(axis) {
-                let error = error.map(|error| format!("  # ± {}", significant(half_width(error, freedom), 2)));
+                let error = error.map(|error| format!("  # ± {}", significant(half_width(error, of_resonance), 2)));
                 let error = error.unwrap_or_default();
                 let _ = writeln!(text, "# axis.{letter}.drive.{key} = {}{error}", plain(value));
             }
@@ -99,16 +107,19 @@ pub fn additions(found: &[Identified]) -> Additions {
             together: letter.to_string(),
             ..Finding::default()
         };
-        // A machine whose figures of the drive were given may state a higher frequency; of another one nothing is known.
-        let stated = axis.drive.lowest_resonance_hz.max(axis.drive.resonance_hz);
-        let mechanics = mechanics(axis)
-            .into_iter()
-            .filter(|(key, value, _)| *key == "resonance_hz" || *key == "resonance_damping" || *value > stated);
+        // A bound below the one that is stated or assumed says nothing new, and beside a stated resonance it contradicts.
+        let stated = &axis.drive;
+        let is_new =
+            |value: f64| stated.resonance_hz == 0.0 && assumed_lowest_hz(stated).is_some_and(|lowest| value > lowest);
+        let mechanics =
+            mechanics(axis).into_iter().filter(move |(key, value, _)| *key != "lowest_resonance_hz" || is_new(*value));
         let own = mechanics.map(move |entry| {
             let is_bound = entry.2.is_none();
             let of = finding(("drive", entry));
             // A bound has no uncertainty: it leaves a margin instead.
+            let freedom = resonance_freedom(axis).unwrap_or(degrees_of_freedom);
             Finding {
+                found: Known { degrees_of_freedom: Some(freedom), ..of.found },
                 together: if is_bound { String::new() } else { format!("{letter}, resonance") },
                 moved: is_bound,
                 ..of

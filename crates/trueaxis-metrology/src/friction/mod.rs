@@ -158,7 +158,7 @@ impl Identified {
     /// # Errors
     /// A record that [`identify`] would refuse before fitting.
     ///
-    /// Cost: about that of [`identify`].
+    /// Cost: several times that of [`identify`].
     pub fn find_resonance(
         &mut self,
         record: &Record,
