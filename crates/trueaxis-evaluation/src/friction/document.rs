@@ -122,9 +122,15 @@ fn not_found(why: &NoResonance) -> String {
             hz(frequency_hz),
             significant(standard_error_hz, 2)
         ),
+        NoResonance::Blurred { frequency_hz, damping_error } => format!(
+            "found {} Hz with a damping uncertain by {} % of critical (standard error), needed at most 10 %: more starts, stops and \
+             reversals",
+            hz(frequency_hz),
+            significant(100.0 * damping_error, 2)
+        ),
         NoResonance::OutOfRange { limit_hz } => format!(
-            "found the best one at {} Hz, the end of the range, needed one within: from 10 Hz to a quarter of the record's rate, at \
-             most 400 Hz",
+            "found the best one beyond the range, which ends at {} Hz, needed one within: from 10 Hz to a fifth of the record's \
+             rate, at most 320 Hz",
             hz(limit_hz)
         ),
         NoResonance::OnePartOnly { frequency_hz } => format!(

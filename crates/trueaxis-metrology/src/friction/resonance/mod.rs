@@ -9,15 +9,15 @@
 //! 1. One mass is fitted: its residual is what a second mass must explain. If it is as small as the noise, there is nothing left.
 //! 2. Plants of a grid of resonances, with a scale on the load and with an encoder on the motor, are compared with the record
 //!    after one step of all figures.
-//! 3. The best ones are fitted, first on every few samples. The better of scale and encoder counts; if both explain the record alike, the uncertainty
-//!    includes their difference.
+//! 3. The best ones are fitted, first on every few samples. The better of scale and encoder counts; if both explain the
+//!    record alike, the uncertainty includes their difference.
 //!
 //! **What the record does not determine** (share of the load, current loop, times within a cycle, Stribeck and viscous
 //! friction) enters with what is known beforehand, so that its uncertainty is part of that of the resonance.
 //!
 //! **Nothing is invented**: a resonance counts as found only if it explains more than the noise could, in both halves of the
-//! record, and with a standard uncertainty of at most a tenth of its frequency. Otherwise the record may still exclude
-//! resonances below some frequency.
+//! record, and with standard uncertainties of at most a tenth of its frequency and a tenth of critical damping. Otherwise the
+//! record may still exclude resonances below some frequency.
 //!
 //! Cost: some hundred to some thousand simulations of the parts of the record around reversals, starts and stops.
 
@@ -35,6 +35,8 @@ use std::vec::Vec;
 const HIGHEST_HZ: f64 = 400.0;
 /// Samples of the record per period of the highest one.
 const SAMPLES: f64 = 4.0;
+/// Share of the highest one from which on a resonance may stand in for one beyond it.
+const NEAR_END: f64 = 0.8;
 /// Time before and after a reversal that counts, s.
 const BEFORE_S: f64 = 0.02;
 const AFTER_S: f64 = 0.25;
@@ -67,8 +69,15 @@ const RIGID: f64 = 10.0;
 const COLOURED: f64 = 12.0;
 /// Share of that fall that each half of the record must contain.
 const EACH_HALF: f64 = 0.1;
+/// Standard uncertainties from what the model leaves out, such as commands that are held for a cycle: every start repeats such
+/// errors, so that the residuals do not show how much they shift the frequency (relative) and the damping.
+const MODEL_FREQUENCY: f64 = 0.02;
+const MODEL_DAMPING: f64 = 0.02;
 /// Largest relative standard uncertainty of a resonance.
 const LOOSE: f64 = 0.1;
+/// Largest standard uncertainty of its damping: axes have up to some 10 %, and a fit that leaves more open does not see the
+/// ringing that would fix the frequency.
+const BLURRED: f64 = 0.1;
 /// Dampings and shares of the plants that a record may exclude: a well damped resonance leaves less in it.
 const EXCLUDED_DAMPINGS: [f64; 2] = [0.02, 0.1];
 const EXCLUDED_SHARES: [f64; 3] = [0.2, 0.5, 0.8];
@@ -113,7 +122,14 @@ pub enum NoResonance {
         /// Standard error, Hz.
         standard_error_hz: f64,
     },
-    /// The best resonance is at the end of what the record can show.
+    /// The damping of the best resonance is uncertain.
+    Blurred {
+        /// Frequency, Hz.
+        frequency_hz: f64,
+        /// Standard error of the damping, share of critical.
+        damping_error: f64,
+    },
+    /// The best resonance is near the end of what the record can show.
     OutOfRange {
         /// The end, Hz.
         limit_hz: f64,
@@ -348,8 +364,8 @@ fn judged(data: &Data, rigid: &Fit, best: &Fit, other: Option<&Fit>) -> Result<R
     }
     let omega = best.at.get(RESONANCE);
     let frequency_hz = omega / TAU;
-    if frequency_hz >= 0.98 * data.highest_hz {
-        return Err(NoResonance::OutOfRange { limit_hz: data.highest_hz });
+    if frequency_hz >= NEAR_END * data.highest_hz {
+        return Err(NoResonance::OutOfRange { limit_hz: NEAR_END * data.highest_hz });
     }
     if frequency_hz <= 1.02 * LOWEST_HZ {
         return Err(NoResonance::OutOfRange { limit_hz: LOWEST_HZ });
@@ -370,7 +386,7 @@ fn judged(data: &Data, rigid: &Fit, best: &Fit, other: Option<&Fit>) -> Result<R
     });
     let errors = best.errors(data);
     let others = other.map(|other| other.errors(data));
-    let figure = |parameter: usize, scale: f64| {
+    let figure = |parameter: usize, scale: f64, of_model: f64| {
         let (own, own_error) = (best.at.get(parameter), errors[parameter]);
         let (value, error) = match (other, &others) {
             (Some(fit), Some(errors)) if weight > 1e-3 => {
@@ -381,17 +397,22 @@ fn judged(data: &Data, rigid: &Fit, best: &Fit, other: Option<&Fit>) -> Result<R
             }
             _ => (own, own_error),
         };
-        Figure { value: scale * value, standard_error: Some(scale * error) }
+        Figure { value: scale * value, standard_error: Some((scale * error).hypot(of_model)) }
     };
-    let frequency = figure(RESONANCE, 1.0 / TAU);
+    let frequency = figure(RESONANCE, 1.0 / TAU, MODEL_FREQUENCY * frequency_hz);
     let standard_error_hz = frequency.standard_error.unwrap_or(f64::INFINITY);
     if standard_error_hz.is_nan() || standard_error_hz > LOOSE * frequency.value {
         return Err(NoResonance::Uncertain { frequency_hz: frequency.value, standard_error_hz });
     }
+    let damping = figure(DAMPING, 1.0, MODEL_DAMPING);
+    let damping_error = damping.standard_error.unwrap_or(f64::INFINITY);
+    if damping_error.is_nan() || damping_error > BLURRED {
+        return Err(NoResonance::Blurred { frequency_hz: frequency.value, damping_error });
+    }
     Ok(Resonance {
         frequency_hz: frequency,
-        damping: figure(DAMPING, 1.0),
-        load_share: figure(SHARE, 1.0),
+        damping,
+        load_share: figure(SHARE, 1.0, 0.0),
         degrees_of_freedom: best.degrees_of_freedom(data),
         on_load: best.at.scale.filter(|_| weight < 0.05),
     })
