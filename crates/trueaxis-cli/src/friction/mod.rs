@@ -39,8 +39,7 @@ it acts like velocity feed-forward, and the uncertainties hold for every reading
 
 --find-resonance fits a second mass to the readings around reversals, starts and stops: the frequency of motor and load \
 against each other (both free) and its damping, resonance_hz and resonance_damping of [axis.X.drive]. The closed loops \
-ring at another frequency and with more damping. If a record fits one mass, the frequency is found below which it \
-excludes a resonance with 2 to 10 % damping, lowest_resonance_hz.
+ring at another frequency and with more damping. A record that shows no resonance does not exclude one.
 
 -o friction.toml writes the sections [axis.X.friction] and, if they were found, [axis.X.drive] of a machine.toml, \
 with uncertainties, to read. -o MACHINE_DIR writes the machine of --machine, in its own folder or another one with \
@@ -100,7 +99,6 @@ pub(crate) fn run(arguments: &FrictionArgs) -> Result<()> {
     if let Some(file) = file {
         outputs.refuse_input(file)?;
     }
-    let stated = given;
     let given = if arguments.find_drive { [None; 2] } else { given };
     let rows = csv_in::open(&arguments.record, &friction::columns(arguments.axes), "samples")?;
     let mut recording = Recording::read(rows, arguments.axes)?;
@@ -111,12 +109,6 @@ pub(crate) fn run(arguments: &FrictionArgs) -> Result<()> {
         bar.tick();
     });
     let (mut found, mut document) = fitted.inspect_err(|_| bar.finish_and_clear())?;
-    for (own, stated) in found.iter_mut().zip(stated) {
-        // What the machine states of its resonances holds for drives that are found too.
-        let Some(stated) = stated else { continue };
-        own.drive.resonance_hz = stated.resonance_hz;
-        own.drive.lowest_resonance_hz = stated.lowest_resonance_hz;
-    }
     if arguments.find_resonance {
         let searched = friction::resonances(&recording, &mut found, &mut |axis, step| {
             bar.set_message(format!("resonance of axis {}, step {step}", axis.letter()));

@@ -52,8 +52,6 @@ pub struct AxisFound {
     pub resonance: Option<ResonanceFound>,
     /// Why the record shows no resonance; null if it does, or if nobody has searched for it.
     pub resonance_not_found: Option<String>,
-    /// If the record shows no resonance: frequency below which it excludes any with 2 to 10 % damping, Hz.
-    pub lowest_resonance_hz: Option<f64>,
 }
 
 /// Resonance of an axis; first keys as in `machine.toml`.
@@ -122,9 +120,15 @@ fn not_found(why: &NoResonance) -> String {
             hz(frequency_hz),
             significant(standard_error_hz, 2)
         ),
+        NoResonance::Blurred { frequency_hz, damping_error } => format!(
+            "found {} Hz with a damping uncertain by {} % of critical (standard error), needed at most 10 %: more starts, stops and \
+             reversals",
+            hz(frequency_hz),
+            significant(100.0 * damping_error, 2)
+        ),
         NoResonance::OutOfRange { limit_hz } => format!(
-            "found the best one at {} Hz, the end of the range, needed one within: from 10 Hz to a quarter of the record's rate, at \
-             most 400 Hz",
+            "found the best one beyond the range, which ends at {} Hz, needed one within: from 10 Hz to a fifth of the record's \
+             rate, at most 320 Hz",
             hz(limit_hz)
         ),
         NoResonance::OnePartOnly { frequency_hz } => format!(
@@ -283,7 +287,6 @@ pub(super) fn axis(found: &Identified) -> AxisFound {
         reversals: found.reversals,
         resonance: found.mechanics.and_then(|own| own.resonance.ok()).as_ref().map(ResonanceFound::from),
         resonance_not_found: found.mechanics.and_then(|own| own.resonance.err()).as_ref().map(not_found),
-        lowest_resonance_hz: found.mechanics.and_then(|own| own.none_below_hz),
     }
 }
 
@@ -291,9 +294,7 @@ pub(super) fn axis(found: &Identified) -> AxisFound {
 fn resonance_note(own: &AxisFound) -> Option<String> {
     let letter = &own.axis;
     if let Some(why) = &own.resonance_not_found {
-        let below =
-            own.lowest_resonance_hz.map(|hz| format!("; none with 2 to 10 % damping below {} Hz", significant(hz, 3)));
-        return Some(format!("axis {letter}: resonance not found: {why}{}", below.unwrap_or_default()));
+        return Some(format!("axis {letter}: resonance not found: {why}"));
     }
     let unknown = own.resonance.filter(|found| !found.damping_known)?;
     Some(format!(

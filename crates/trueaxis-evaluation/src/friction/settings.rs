@@ -4,7 +4,6 @@ use super::document::degrees_of_freedom;
 use crate::shown::half_width;
 use std::fmt::Write;
 use std::path::Path;
-use trueaxis::check::assumed_lowest_hz;
 use trueaxis_metrology::friction::{Figure, Identified};
 use trueaxis_report::number::significant;
 use trueaxis_tables::Additions;
@@ -45,8 +44,7 @@ fn drive(axis: &Identified) -> Option<[Entry; 5]> {
     ])
 }
 
-/// Resonance and damping as in the section `drive`, if the record determined both; or else, the frequency below which there is
-/// no resonance.
+/// Resonance and damping as in the section `drive`, if the record determined both.
 fn mechanics(axis: &Identified) -> Vec<Entry> {
     let Some(own) = axis.mechanics else { return Vec::new() };
     match own.resonance {
@@ -54,8 +52,7 @@ fn mechanics(axis: &Identified) -> Vec<Entry> {
             ("resonance_hz", found.frequency_hz.value, found.frequency_hz.standard_error),
             ("resonance_damping", found.damping.value, found.damping.standard_error),
         ]),
-        Ok(_) => Vec::new(),
-        Err(_) => own.none_below_hz.map(|hz| ("lowest_resonance_hz", hz, None)).into_iter().collect(),
+        _ => Vec::new(),
     }
 }
 
@@ -107,21 +104,12 @@ pub fn additions(found: &[Identified]) -> Additions {
             together: letter.to_string(),
             ..Finding::default()
         };
-        // A bound below the one that is stated or assumed says nothing new, and beside a stated resonance it contradicts.
-        let stated = &axis.drive;
-        let is_new =
-            |value: f64| stated.resonance_hz == 0.0 && assumed_lowest_hz(stated).is_some_and(|lowest| value > lowest);
-        let mechanics =
-            mechanics(axis).into_iter().filter(move |(key, value, _)| *key != "lowest_resonance_hz" || is_new(*value));
-        let own = mechanics.map(move |entry| {
-            let is_bound = entry.2.is_none();
+        let own = mechanics(axis).into_iter().map(move |entry| {
             let of = finding(("drive", entry));
-            // A bound has no uncertainty: it leaves a margin instead.
             let freedom = resonance_freedom(axis).unwrap_or(degrees_of_freedom);
             Finding {
                 found: Known { degrees_of_freedom: Some(freedom), ..of.found },
-                together: if is_bound { String::new() } else { format!("{letter}, resonance") },
-                moved: is_bound,
+                together: format!("{letter}, resonance"),
                 ..of
             }
         });

@@ -82,17 +82,8 @@ impl FrictionDocument {
         }
         let rows = self.axes.iter().map(|own| {
             let Some(found) = own.resonance else {
-                let below = own.lowest_resonance_hz.map(|hz| format!("none below {} Hz", significant(hz, 3)));
                 let blank = || Cell::from("–");
-                return vec![
-                    own.axis.as_str().into(),
-                    below.unwrap_or("not found".into()).into(),
-                    blank(),
-                    blank(),
-                    blank(),
-                    blank(),
-                    blank(),
-                ];
+                return vec![own.axis.as_str().into(), "not found".into(), blank(), blank(), blank(), blank(), blank()];
             };
             let of = |value: f64, half_width: f64| {
                 let uncertainty = Uncertainty::expanded(half_width);

@@ -9,15 +9,15 @@
 //! 1. One mass is fitted: its residual is what a second mass must explain. If it is as small as the noise, there is nothing left.
 //! 2. Plants of a grid of resonances, with a scale on the load and with an encoder on the motor, are compared with the record
 //!    after one step of all figures.
-//! 3. The best ones are fitted, first on every few samples. The better of scale and encoder counts; if both explain the record alike, the uncertainty
-//!    includes their difference.
+//! 3. The best ones are fitted, first on every few samples. The better of scale and encoder counts; if both explain the
+//!    record alike, the uncertainty includes their difference.
 //!
 //! **What the record does not determine** (share of the load, current loop, times within a cycle, Stribeck and viscous
 //! friction) enters with what is known beforehand, so that its uncertainty is part of that of the resonance.
 //!
 //! **Nothing is invented**: a resonance counts as found only if it explains more than the noise could, in both halves of the
-//! record, and with a standard uncertainty of at most a tenth of its frequency. Otherwise the record may still exclude
-//! resonances below some frequency.
+//! record, and with standard uncertainties of at most a tenth of its frequency and a tenth of critical damping. That a record shows none does
+//! not exclude one.
 //!
 //! Cost: some hundred to some thousand simulations of the parts of the record around reversals, starts and stops.
 
@@ -35,6 +35,8 @@ use std::vec::Vec;
 const HIGHEST_HZ: f64 = 400.0;
 /// Samples of the record per period of the highest one.
 const SAMPLES: f64 = 4.0;
+/// Share of the highest one from which on a resonance may stand in for one beyond it.
+const NEAR_END: f64 = 0.8;
 /// Time before and after a reversal that counts, s.
 const BEFORE_S: f64 = 0.02;
 const AFTER_S: f64 = 0.25;
@@ -58,21 +60,21 @@ const UNKNOWN_LAG_S: f64 = 2e-3;
 const FEW: usize = 5;
 /// A first fit whose squares are this many times those of the best one is not continued.
 const HOPELESS: f64 = 4.0;
-/// Variances by which the squares must fall for a resonance to be found, and grow for one to be excluded.
+/// Variances by which the squares must fall for a resonance to be found.
 const FOUND: f64 = 40.0;
-const EXCLUDED: f64 = 100.0;
-/// Fall up to which one mass explains a record as well as two.
-const RIGID: f64 = 10.0;
 /// Largest excess of neighbouring residuals over independent ones; an encoder's subdivisional error causes a few times.
 const COLOURED: f64 = 12.0;
 /// Share of that fall that each half of the record must contain.
 const EACH_HALF: f64 = 0.1;
+/// Standard uncertainties from what the model leaves out, such as commands that are held for a cycle: every start repeats such
+/// errors, so that the residuals do not show how much they shift the frequency (relative) and the damping.
+const MODEL_FREQUENCY: f64 = 0.02;
+const MODEL_DAMPING: f64 = 0.02;
 /// Largest relative standard uncertainty of a resonance.
 const LOOSE: f64 = 0.1;
-/// Dampings and shares of the plants that a record may exclude: a well damped resonance leaves less in it.
-const EXCLUDED_DAMPINGS: [f64; 2] = [0.02, 0.1];
-const EXCLUDED_SHARES: [f64; 3] = [0.2, 0.5, 0.8];
-
+/// Largest standard uncertainty of its damping: axes have up to some 10 %, and a fit that leaves more open does not see the
+/// ringing that would fix the frequency.
+const BLURRED: f64 = 0.1;
 /// A resonance with its figures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resonance {
@@ -113,7 +115,14 @@ pub enum NoResonance {
         /// Standard error, Hz.
         standard_error_hz: f64,
     },
-    /// The best resonance is at the end of what the record can show.
+    /// The damping of the best resonance is uncertain.
+    Blurred {
+        /// Frequency, Hz.
+        frequency_hz: f64,
+        /// Standard error of the damping, share of critical.
+        damping_error: f64,
+    },
+    /// The best resonance is near the end of what the record can show.
     OutOfRange {
         /// The end, Hz.
         limit_hz: f64,
@@ -139,8 +148,6 @@ pub enum NoResonance {
 pub struct Mechanics {
     /// The resonance, or why there is none.
     pub resonance: Result<Resonance, NoResonance>,
-    /// If none is found: frequency up to which the record excludes resonances with 2 to 10 % damping, Hz.
-    pub none_below_hz: Option<f64>,
 }
 
 /// Finds the resonance of an axis whose friction is identified; `index` is the axis' index in the record.
@@ -239,7 +246,7 @@ fn noise(problem: &Problem) -> f64 {
 }
 
 fn search([rough, fine]: [&Data; 2], start: Point, on_step: &mut dyn FnMut()) -> Mechanics {
-    let none = |why| Mechanics { resonance: Err(why), none_below_hz: None };
+    let none = |why| Mechanics { resonance: Err(why) };
     let residuals = rough.residuals(&start);
     let crude = residuals.iter().map(|r| r * r).sum::<f64>();
     if residuals.len() < 2 * ALL || crude <= 0.0 || !crude.is_finite() {
@@ -253,7 +260,7 @@ fn search([rough, fine]: [&Data; 2], start: Point, on_step: &mut dyn FnMut()) ->
     let largest = rigid.residuals.len() as f64 * (own - variance) / (variance * inflation);
     if largest < FOUND {
         let why = NoResonance::NotSeen { gain: largest.max(0.0), needed: FOUND };
-        return Mechanics { resonance: Err(why), none_below_hz: none_below(rough, &rigid, variance, on_step) };
+        return Mechanics { resonance: Err(why) };
     }
     let mut fits: Vec<Fit> = Vec::new();
     for scale in [false, true] {
@@ -295,11 +302,7 @@ fn search([rough, fine]: [&Data; 2], start: Point, on_step: &mut dyn FnMut()) ->
     last.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let one = fit::fit(fine, rigid.at, &free, variance, FEW, on_step);
     let Some(first) = last.first() else { return none(NoResonance::NoConvergence) };
-    let resonance = judged(fine, &one, first, last.get(1));
-    // Of a record that a second mass may explain better, nothing is known about a lower resonance either.
-    let is_rigid = matches!(resonance, Err(NoResonance::NotSeen { gain, .. }) if gain < RIGID);
-    let none_below_hz = if is_rigid { none_below(rough, &rigid, variance, on_step) } else { None };
-    Mechanics { resonance, none_below_hz }
+    Mechanics { resonance: judged(fine, &one, first, last.get(1)) }
 }
 
 /// What is left of the squares of a plant with a second mass after one step of the figures of a rigid fit, and that plant.
@@ -307,34 +310,6 @@ fn left(data: &Data, rigid: &Fit, hz: f64, (damping, share, scale): (f64, f64, b
     let [current, age, ..] = rigid.at.more;
     let at = Point { more: [current, age, TAU * hz, damping, share], scale: Some(scale), ..rigid.at };
     (rigid.linear.left(&data.residuals(&at)), at)
-}
-
-/// Frequency up to which a record that fits one mass as well as its noise permits excludes any second one, Hz.
-fn none_below(data: &Data, rigid: &Fit, noise: f64, on_step: &mut dyn FnMut()) -> Option<f64> {
-    let [variance, inflation] = rigid.variance(data);
-    let limit = rigid.cost + EXCLUDED * variance * inflation;
-    // Plants at a frequency, those first that one step of all figures brings nearest to the record.
-    let nearest = |hz: f64| {
-        let places = EXCLUDED_SHARES.into_iter().flat_map(|share| [(share, false), (share, true)]);
-        let all = places.flat_map(|(share, scale)| EXCLUDED_DAMPINGS.map(|damping| (damping, share, scale)));
-        let mut plants: Vec<(f64, Point)> = all.map(|masses| left(data, rigid, hz, masses)).collect();
-        plants.sort_by(|a, b| a.0.total_cmp(&b.0));
-        plants
-    };
-    let is_excluded = |hz: &f64| nearest(*hz).first().is_none_or(|(left, _)| left.is_nan() || *left > limit);
-    let mut candidates: Vec<f64> = grid(data.highest_hz).take_while(is_excluded).collect();
-    // One step is not enough to exclude a plant whose gains the rigid fit misjudges: fits decide at the last candidates.
-    while let Some(hz) = candidates.pop() {
-        let explains = nearest(hz).into_iter().any(|(_, at)| {
-            let fit = fit::fit(data, at, &data.free(None), noise, 2 * FEW, on_step);
-            // A fit on its way excludes nothing.
-            fit.cost <= if fit.settled { limit } else { HOPELESS * limit }
-        });
-        if !explains {
-            return Some(hz.floor());
-        }
-    }
-    None
 }
 
 /// The resonance of the best fit, if it counts as found; `other` has its encoder on the other side.
@@ -348,8 +323,8 @@ fn judged(data: &Data, rigid: &Fit, best: &Fit, other: Option<&Fit>) -> Result<R
     }
     let omega = best.at.get(RESONANCE);
     let frequency_hz = omega / TAU;
-    if frequency_hz >= 0.98 * data.highest_hz {
-        return Err(NoResonance::OutOfRange { limit_hz: data.highest_hz });
+    if frequency_hz >= NEAR_END * data.highest_hz {
+        return Err(NoResonance::OutOfRange { limit_hz: NEAR_END * data.highest_hz });
     }
     if frequency_hz <= 1.02 * LOWEST_HZ {
         return Err(NoResonance::OutOfRange { limit_hz: LOWEST_HZ });
@@ -370,7 +345,7 @@ fn judged(data: &Data, rigid: &Fit, best: &Fit, other: Option<&Fit>) -> Result<R
     });
     let errors = best.errors(data);
     let others = other.map(|other| other.errors(data));
-    let figure = |parameter: usize, scale: f64| {
+    let figure = |parameter: usize, scale: f64, of_model: f64| {
         let (own, own_error) = (best.at.get(parameter), errors[parameter]);
         let (value, error) = match (other, &others) {
             (Some(fit), Some(errors)) if weight > 1e-3 => {
@@ -381,17 +356,22 @@ fn judged(data: &Data, rigid: &Fit, best: &Fit, other: Option<&Fit>) -> Result<R
             }
             _ => (own, own_error),
         };
-        Figure { value: scale * value, standard_error: Some(scale * error) }
+        Figure { value: scale * value, standard_error: Some((scale * error).hypot(of_model)) }
     };
-    let frequency = figure(RESONANCE, 1.0 / TAU);
+    let frequency = figure(RESONANCE, 1.0 / TAU, MODEL_FREQUENCY * frequency_hz);
     let standard_error_hz = frequency.standard_error.unwrap_or(f64::INFINITY);
     if standard_error_hz.is_nan() || standard_error_hz > LOOSE * frequency.value {
         return Err(NoResonance::Uncertain { frequency_hz: frequency.value, standard_error_hz });
     }
+    let damping = figure(DAMPING, 1.0, MODEL_DAMPING);
+    let damping_error = damping.standard_error.unwrap_or(f64::INFINITY);
+    if damping_error.is_nan() || damping_error > BLURRED {
+        return Err(NoResonance::Blurred { frequency_hz: frequency.value, damping_error });
+    }
     Ok(Resonance {
         frequency_hz: frequency,
-        damping: figure(DAMPING, 1.0),
-        load_share: figure(SHARE, 1.0),
+        damping,
+        load_share: figure(SHARE, 1.0, 0.0),
         degrees_of_freedom: best.degrees_of_freedom(data),
         on_load: best.at.scale.filter(|_| weight < 0.05),
     })
