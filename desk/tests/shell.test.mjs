@@ -14,8 +14,9 @@ test("the page is one file within its size", () => {
   const size = gzipSync(page, { level: 9 }).length;
   console.log(`page: ${page.length} bytes, ${size} gzipped`);
   // The page exceeds its aim of 1,000,000: it contains the step's code for grids of errors four times, once for each number of
-  // axes, and it gained calibration, growth, uncertainty, keeping, tests with instruments, drives with a second mass and the licences.
-  assert.ok(size <= 1_348_000, `found ${size} bytes gzipped, needed at most 1348000`);
+  // axes, and it gained calibration, growth, uncertainty, keeping, tests with instruments, drives with a second mass,
+  // resonances found in records and the licences.
+  assert.ok(size <= 1_355_000, `found ${size} bytes gzipped, needed at most 1355000`);
   assert.doesNotMatch(page.toString("latin1"), /(?:src|href)=["']?https?:/);
 });
 
