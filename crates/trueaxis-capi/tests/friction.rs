@@ -6,6 +6,7 @@
 use crate::machines::rust::*;
 use crate::machines::*;
 use std::f64::consts::TAU;
+use trueaxis::Position as _;
 use trueaxis::machine::FrictionSettings;
 use trueaxis_capi::*;
 
@@ -90,7 +91,10 @@ impl Circle {
             assert_eq!(step(&self.servo.servo, &mut self.state, &c, &mut out), OK);
             same(&out, &self.core.step(&mut self.core_state, &core_input(&c), (), ()), self.cycle);
             assert_eq!(out.record.fault, FAULT_NONE, "cycle {}", self.cycle);
-            self.slides.iter_mut().zip(out.drive).for_each(|(slide, drive)| slide.advance(from_c(drive).into(), level));
+            self.slides
+                .iter_mut()
+                .zip(out.drive)
+                .for_each(|(slide, drive)| slide.advance(from_c(drive).to_f64(), level));
             self.cycle += 1;
         }
     }

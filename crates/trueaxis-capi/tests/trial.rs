@@ -7,6 +7,7 @@ use crate::machines::rust::*;
 use crate::machines::*;
 use std::f64::consts::TAU;
 use std::ptr::null_mut;
+use trueaxis::Position as _;
 use trueaxis::contour::{self, Segment, convert};
 use trueaxis::machine::{DriveFigures, DynamicSettings, FeedbackSettings};
 use trueaxis_capi::*;
@@ -101,7 +102,7 @@ impl Circle {
         same(&out, &self.core.step(&mut self.core_state, &core_input(&c), on, ()), self.cycle);
         assert_eq!(out.record.fault, FAULT_NONE, "cycle {}", self.cycle);
         for (k, drive) in self.drives.iter_mut().enumerate() {
-            drive.advance(from_c(out.drive[k]).into(), if k == 0 { fed } else { 1.0 });
+            drive.advance(from_c(out.drive[k]).to_f64(), if k == 0 { fed } else { 1.0 });
         }
         self.cycle += 1;
         out.record
