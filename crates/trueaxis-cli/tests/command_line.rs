@@ -582,7 +582,7 @@ fn subcommands(help: &str) -> Vec<String> {
     names.filter_map(|line| line.split(' ').next()).filter(|name| *name != "help").map(str::to_owned).collect()
 }
 
-/// The help of every command begins with a sentence and an example, which runs in a checkout as it stands.
+/// The help of every command begins with a sentence and an example, which runs in an unchanged checkout.
 #[cfg(unix)]
 #[test]
 fn the_examples_in_help_work() {

@@ -170,7 +170,7 @@ fn adapting_friction_is_frozen_and_reset() {
     assert!(adapted.last().iter().all(|level| *level > 1.1), "{:?}", adapted.last());
     assert_eq!(adapted.tallies.friction[..2], adapted.factors.last().unwrap()[..]);
     assert!(adapted.drives != plain.drives);
-    // Frozen from the start: the friction as identified, in every bit of what is sent.
+    // Frozen from the start: the friction as identified, in every bit that the drives receive.
     let frozen = Turns::run(0.5, &["off:adapt@0s"]);
     assert!(frozen.factors.iter().all(|factors| *factors == [[1.0; 2]; 2]));
     assert!(frozen.drives == plain.drives);

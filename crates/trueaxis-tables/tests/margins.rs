@@ -127,7 +127,7 @@ fn resonant(lines: &str, feedback: &str) -> Result<Machine, String> {
 }
 
 /// A stated resonance bounds the gains and chooses a notch; the bound is accepted; the file carries the figures in version 7,
-/// with what the gains may be without the notch.
+/// with the gains that are permitted without the notch.
 #[test]
 fn a_stated_resonance_bounds_the_gains() {
     let known = resonant("resonance_hz = 120\nresonance_damping = 0.02\n", "").unwrap();
@@ -204,7 +204,7 @@ fn what_a_controller_accepts_keeps_its_margins_at_any_rate() {
         };
         let Err(error) = check::feedback_within(&with(100.0), 1e-4, |_| Spread::LEAST) else { panic!("{case}") };
         for share in [0.3, 0.99] {
-            // 0: unstable by itself.
+            // 0: unstable without the correction.
             let Some(bound) = error.bound.filter(|bound| *bound > 0.0) else { continue };
             let mut compiled = with(share * bound);
             check::decide_notches(&mut compiled);

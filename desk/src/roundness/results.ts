@@ -22,7 +22,7 @@ export class Results {
     for (const plot of plots) sections.set(plot.section, [...(sections.get(plot.section) ?? []), plot]);
     for (const [heading, own] of sections) {
       const host = el("div", { class: own.length > 1 ? "pair" : "" });
-      // The orbit over its motion: it is no plot over one column of positions.
+      // The orbit over its motion is not a plot over one column of positions.
       this.root.append(section(heading, heading === "Spindle" ? el("figure", {}, this.orbit) : null, host));
       showPlots(host, own);
     }

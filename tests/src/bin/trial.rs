@@ -24,7 +24,7 @@ struct TrialArgs {
     /// Without side load and chatter.
     #[arg(long)]
     quiet: bool,
-    /// Tell the plugin the resonance of each drive, as if identified.
+    /// Give the plugin the resonance of each drive, as if identified.
     #[arg(long)]
     stated: bool,
     /// The parts act only as far as the contour error shows that they help.

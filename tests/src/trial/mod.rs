@@ -58,7 +58,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// What a combination of parts is compared with: no part, under the same conditions.
+    /// The reference for a combination of parts: no part, under the same conditions.
     pub fn without(&self, parts: usize) -> &Outcome {
         if PARTS.get(parts).is_some_and(|(name, _)| *name == ADAPTING) { &self.off_again } else { &self.off }
     }

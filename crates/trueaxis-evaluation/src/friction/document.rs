@@ -76,11 +76,11 @@ pub struct ResonanceFound {
 /// Errors of the figures of a resonance.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct ResonanceErrors {
-    /// Of the frequency, Hz.
+    /// Standard uncertainty of the frequency, Hz.
     pub resonance_hz: f64,
-    /// Of the damping, share of critical.
+    /// Standard uncertainty of the damping, share of critical.
     pub resonance_damping: f64,
-    /// Of the share of the load.
+    /// Standard uncertainty of the load's share.
     pub load_share: f64,
 }
 
@@ -290,7 +290,7 @@ pub(super) fn axis(found: &Identified) -> AxisFound {
     }
 }
 
-/// What the figures of the resonance need to be said beside them.
+/// Notes on the resonance's figures.
 fn resonance_note(own: &AxisFound) -> Option<String> {
     let letter = &own.axis;
     if let Some(why) = &own.resonance_not_found {

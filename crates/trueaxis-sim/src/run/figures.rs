@@ -63,9 +63,9 @@ pub struct ReportedFault {
 /// Factors in use on the identified friction of an axis that adapts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FrictionFactors {
-    /// Of Coulomb friction.
+    /// Factor of the Coulomb friction.
     pub coulomb: f64,
-    /// Of pre-sliding.
+    /// Factor of the pre-sliding.
     pub presliding: f64,
 }
 

@@ -63,7 +63,7 @@ impl Sampled {
         let own = TAU * frequency_hz;
         let half = 0.5 * omega * self.period_s;
         let ratio = match self.period_s > 0.0 {
-            // Beyond half the servo rate there is no command.
+            // No command has frequencies beyond half the servo rate.
             true if half >= FRAC_PI_2 => return [1.0, 0.0],
             true => libm::tan(half) / libm::tan(0.5 * own * self.period_s),
             false => omega / own,

@@ -174,7 +174,7 @@ impl Plants<'_> {
 
     /// The largest gain over the family about a resonance: gains ±10 %, frequencies times `factors`, loads of every share,
     /// sliding and held, with a scale on the load, which is nearly always the worse case, or an encoder on the motor. If
-    /// `only_sound`, drives that are not sound by themselves are no members.
+    /// `only_sound`, drives that are not sound without the correction are left out.
     fn around(&self, [hz, damping]: [f64; 2], factors: &[f64], only_sound: bool) -> Peak {
         let held = self.closed.friction.map(|friction| stiffness(self.closed.drive, friction));
         let forms = [

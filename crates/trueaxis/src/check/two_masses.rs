@@ -2,7 +2,7 @@
 
 use crate::machine::DriveFigures;
 
-/// What the drive moves: motor and load, together of mass 1.
+/// Motor and load, together of mass 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Masses {
     /// ω_r of motor and load against each other, both free, 1/s.
@@ -82,7 +82,7 @@ pub(super) fn is_stable(&[a0, a1, a2, a3, a4, a5, a6]: &[f64; 7]) -> bool {
     let (mut above, mut row) = ([a6, a4, a2, a0], [a5, a3, a1, 0.0]);
     for _ in 0..5 {
         let [first, b, c, d] = row;
-        // Also refuses what is not a number.
+        // Also refuses NaN.
         if first.is_nan() || first <= 0.0 {
             return false;
         }

@@ -1,4 +1,4 @@
-//! What a host takes from a table file beside the servo loop.
+//! Contents of a table file that a host uses beside the servo loop.
 
 #![deny(clippy::indexing_slicing)]
 

@@ -392,12 +392,12 @@ pub trait Layout: Sized {
     /// Writes the value.
     ///
     /// # Errors
-    /// Those of the serializer.
+    /// Errors of the serializer.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error>;
     /// Reads a value.
     ///
     /// # Errors
-    /// Those of the deserializer.
+    /// Errors of the deserializer.
     fn deserialize<'a, D: Deserializer<'a>>(deserializer: D) -> Result<Self, D::Error>;
 }
 

@@ -1,6 +1,6 @@
 //! The law of a friction figure's factor for one scalar each: `adapt.py` reads its LLVM code.
 //!
-//! The source is the product's, by its path: the law is no public item. The compiler knows nothing about the arguments: the
+//! The source is the product's, by its path: the law is not public. The compiler knows nothing about the arguments: the
 //! proof covers every value that memory can hold.
 
 #![no_std]

@@ -1,4 +1,4 @@
-//! The bound: plants in which one figure varies tell which of many drawn plants are the worst; those are simulated.
+//! The bound: plants in which one figure varies show which of many drawn plants are the worst; those are simulated.
 
 use super::family::{Family, Place};
 use super::side_by_side::{Cycle, simulate};

@@ -48,7 +48,7 @@ pub struct Drawn {
 /// A line of the program.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct LineBound {
-    /// Its number in the file.
+    /// Number of the line in the file.
     pub line: u32,
     /// Programmed feed, mm/min (deg/min).
     pub feed_per_min: f64,

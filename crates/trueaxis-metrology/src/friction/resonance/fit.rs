@@ -1,4 +1,4 @@
-//! Least squares of one or two masses to a record, with what is known beforehand as further observations.
+//! Least squares of one or two masses to a record, with prior knowledge as further observations.
 //!
 //! ```text
 //! minimise Σ r² + s² Σ ((p − p₀)/σ_p)²
@@ -79,7 +79,7 @@ impl Point {
     }
 }
 
-/// What is known about a parameter before the record, in the scale in which it is varied.
+/// Prior knowledge about a parameter, in the scale in which it is varied.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Before {
     pub(super) parameter: usize,
@@ -153,7 +153,7 @@ impl Data {
         moved.iter().zip(residuals).map(|(moved, at)| (moved - at) / step).collect()
     }
 
-    /// Sum of the squared deviations from what was known before, over their uncertainties.
+    /// Sum of the squared deviations from the prior values, over their uncertainties.
     fn penalty(&self, at: &Point) -> f64 {
         self.before.iter().map(|b| ((at.scaled(b.parameter) - b.value) / b.uncertainty).powi(2)).sum()
     }
@@ -228,7 +228,7 @@ impl Linear {
         matrix.lu().solve(&-self.gradient(residuals))
     }
 
-    /// The columns, followed by those of what was known before, as orthogonal ones times an upper triangle (Gram and Schmidt,
+    /// The columns, followed by those of the prior knowledge, as orthogonal ones times an upper triangle (Gram and Schmidt,
     /// twice). The normal matrix would lose half of the digits, and gains, lags and times are nearly interchangeable.
     fn orthogonal(&self) -> (Vec<Vec<f64>>, DMatrix<f64>) {
         let size = self.free.len();
@@ -252,7 +252,7 @@ impl Linear {
         (done, triangle)
     }
 
-    /// What remains of the cost of `residuals` after a step of all parameters of this model.
+    /// Remaining cost of `residuals` after a step of all parameters of this model.
     pub(super) fn left(&self, residuals: &[f64]) -> f64 {
         let cost = dot(residuals, residuals);
         let gradient = self.gradient(residuals);
@@ -265,7 +265,7 @@ impl Linear {
 pub(super) struct Fit {
     pub(super) at: Point,
     pub(super) residuals: Vec<f64>,
-    /// Sum of the squares of the residuals and of what was known before.
+    /// Sum of the squares of the residuals and of the deviations from the prior values.
     pub(super) cost: f64,
     pub(super) linear: Linear,
     pub(super) settled: bool,
@@ -374,7 +374,7 @@ impl Fit {
     }
 }
 
-/// What is assumed of the parameters that a record may not determine, about `start`.
+/// Prior knowledge about the parameters that a record may not determine, about `start`.
 pub(super) fn known(start: &Point, period_s: f64, lag_s: f64) -> Vec<Before> {
     use parameters::{
         FEED_FORWARD, POSITION_GAIN, RESET_TIME, STRIBECK_SHARE, STRIBECK_VELOCITY, VELOCITY_GAIN, VISCOUS,

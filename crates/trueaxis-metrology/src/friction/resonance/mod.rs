@@ -13,7 +13,7 @@
 //!    record alike, the uncertainty includes their difference.
 //!
 //! **What the record does not determine** (share of the load, current loop, times within a cycle, Stribeck and viscous
-//! friction) enters with what is known beforehand, so that its uncertainty is part of that of the resonance.
+//! friction) enters as prior knowledge, so that its uncertainty is part of that of the resonance.
 //!
 //! **Nothing is invented**: a resonance counts as found only if it explains more than the noise could, in both halves of the
 //! record, and with standard uncertainties of at most a tenth of its frequency and a tenth of critical damping. That a record shows none does
@@ -35,7 +35,7 @@ use std::vec::Vec;
 const HIGHEST_HZ: f64 = 400.0;
 /// Samples of the record per period of the highest one.
 const SAMPLES: f64 = 4.0;
-/// Share of the highest one from which on a resonance may stand in for one beyond it.
+/// Above this share of the highest frequency, a resonance may be the image of one beyond it.
 const NEAR_END: f64 = 0.8;
 /// Time before and after a reversal that counts, s.
 const BEFORE_S: f64 = 0.02;
@@ -143,7 +143,7 @@ pub enum NoResonance {
     NoConvergence,
 }
 
-/// What a record shows of the mechanics of an axis.
+/// The mechanics of an axis as far as a record shows them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mechanics {
     /// The resonance, or why there is none.

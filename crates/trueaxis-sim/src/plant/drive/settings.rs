@@ -111,7 +111,7 @@ pub struct Disagreement {
 }
 
 impl DriveSettings {
-    /// Antiresonance, Hz: the frequency at which the load rings while the motor is held. 0 for one rigid mass.
+    /// Antiresonance, Hz: the load's natural frequency with the motor locked. 0 for one rigid mass.
     ///
     /// ```text
     /// f_a = f_r √(1 − load_share)
