@@ -147,8 +147,8 @@ fn volumetric() {
 fn dynamic_correction() {
     check(&[
         (Case { parts: Some(ServoParts::Friction), ..NINE }, [0x3476_6b8d, 0x3b47_3f74]),
-        (Case { parts: Some(ServoParts::All), ..NINE }, [0x5ed8_8575, 0x4b0a_d3d0]),
-        (Case { parts: Some(ServoParts::Feedback), model: ErrorModel::Volumetric, ..NINE }, [0xe0f3_c41c, 0x485c_01ec]),
+        (Case { parts: Some(ServoParts::All), ..NINE }, [0xbe59_df84, 0x1d60_1276]),
+        (Case { parts: Some(ServoParts::Feedback), model: ErrorModel::Volumetric, ..NINE }, [0xa09c_6848, 0x4af6_8422]),
     ]);
 }
 
