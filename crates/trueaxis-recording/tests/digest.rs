@@ -146,9 +146,9 @@ fn volumetric() {
 #[test]
 fn dynamic_correction() {
     check(&[
-        (Case { parts: Some(ServoParts::Friction), ..NINE }, [0x3476_6b8d, 0x3b47_3f74]),
-        (Case { parts: Some(ServoParts::All), ..NINE }, [0xbe59_df84, 0x1d60_1276]),
-        (Case { parts: Some(ServoParts::Feedback), model: ErrorModel::Volumetric, ..NINE }, [0xa09c_6848, 0x4af6_8422]),
+        (Case { parts: Some(ServoParts::Friction), ..NINE }, [0x007f_c47b, 0x0d27_9056]),
+        (Case { parts: Some(ServoParts::All), ..NINE }, [0xae2c_173b, 0x01ab_6ad5]),
+        (Case { parts: Some(ServoParts::Feedback), model: ErrorModel::Volumetric, ..NINE }, [0x9a0a_67c9, 0xa936_f9c2]),
     ]);
 }
 
