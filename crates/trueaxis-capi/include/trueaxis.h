@@ -155,12 +155,12 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 928
+#define TRUEAXIS_STATE_WORDS 952
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 488
+#define TRUEAXIS_STATE_WORDS 504
 #endif
 
 /// The foot is a minimum of the distance, bracketed by − and +.
