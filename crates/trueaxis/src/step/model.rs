@@ -20,6 +20,10 @@ use crate::real::Real;
 use crate::sample::{Sample, Verdict};
 use crate::vector::V3;
 
+/// Cells filled per cycle with grids, at whose nodes cells end too: a look-up of tables and grids without cells costs more
+/// than filling them, and an axis that dithers about a node leaves its cells again and again.
+const FILLS_WITH_GRIDS: u32 = 4;
+
 /// Result of the tables in a cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Modelled<R, const N: usize> {
@@ -129,7 +133,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 
     /// Nine terms with cells, of which some were left or dropped: reads the others and, for a point without all of its
-    /// cells, the tables. Fills one cell, unless `stale`: then the inverse may take more passes instead.
+    /// cells, the tables. Fills one cell, with grids [`FILLS_WITH_GRIDS`], unless `stale`: then the inverse may take more passes
+    /// instead.
     ///
     /// The passes start from the correction sent last.
     #[inline(always)]
@@ -143,15 +148,26 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     ) -> Modelled<R, N> {
         let mut at = self.place(state, sample.command);
         let grids = self.compensation.grids();
-        let moved = grids.is_some_and(|grids| state.cells.follow(grids, &mut state.grids, &at, sample.feedback));
+        let (boxes, fills) = match (grids, stale) {
+            (_, true) => (1, 0),
+            (None, false) => (0, 1),
+            (Some(_), false) => (2, FILLS_WITH_GRIDS),
+        };
+        if let Some(grids) = grids {
+            for _ in 0..boxes {
+                state.cells.follow(grids, &mut state.grids, &at, sample.feedback);
+            }
+        }
         let grids = grids.map(|grids| (grids, &state.grids));
         let source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, grids };
+        for _ in 0..fills {
+            if !source.refill(&mut state.cells, &at, sample.feedback) {
+                break;
+            }
+        }
         let (passes, end) = if stale {
             (self.tables.most_passes(), Some(state.cells.inverse_end()))
         } else {
-            if !moved {
-                source.refill(&mut state.cells, &at, sample.feedback);
-            }
             (state.cells.passes(), None)
         };
         let tip = source.at_feedback(&state.cells, sample.feedback);

@@ -116,7 +116,7 @@ impl<R: Real, P: Position> Cells<R, P> {
     }
 
     /// Moves a box of the grids that a position has left, the command's before the feedback's, and drops the cells that
-    /// extend beyond it; returns whether there is one. A position never leaves a box without leaving a cell.
+    /// extend beyond it. A position never leaves a box without leaving a cell.
     #[inline(never)]
     pub(crate) fn follow<const N: usize>(
         &mut self,
@@ -124,15 +124,13 @@ impl<R: Real, P: Position> Cells<R, P> {
         near: &mut NearGrids<R, P>,
         command: &[P; N],
         feedback: &[P; N],
-    ) -> bool {
-        let (Some(there), Some(back)) = (command.first_chunk(), feedback.first_chunk()) else { return false };
-        let moved = near.follow(grids, there, back);
-        match moved {
+    ) {
+        let (Some(there), Some(back)) = (command.first_chunk(), feedback.first_chunk()) else { return };
+        match near.follow(grids, there, back) {
             Some(Side::Command) => self.command.keep_within(near.at_command()),
             Some(Side::Feedback) => self.feedback.keep_within(near.at_feedback()),
             None => {}
         }
-        moved.is_some()
     }
 
     /// Unbinds the cache from its tables.

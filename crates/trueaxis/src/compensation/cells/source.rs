@@ -69,9 +69,9 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
     }
 
     /// Fills the cell of the first axis that has left its cell, at the command or else at the feedback; one cell may serve
-    /// both.
+    /// both. Returns whether there was such an axis.
     #[inline(never)]
-    pub(crate) fn refill(&self, cells: &mut Cells<R, P>, command: &[P; N], feedback: &[P; N]) {
+    pub(crate) fn refill(&self, cells: &mut Cells<R, P>, command: &[P; N], feedback: &[P; N]) -> bool {
         let Cells { command: at_command, feedback: at_feedback, at_edge, .. } = cells;
         let both = at_command.cells.iter_mut().zip(&mut at_feedback.cells);
         for (slot, ((there, back), (command, feedback))) in both.zip(command.iter().zip(feedback)).enumerate() {
@@ -81,9 +81,10 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
                 *at_edge = if self.is_beyond(slot, *command) { *at_edge | bit } else { *at_edge & !bit };
                 at_command.sum_up();
                 at_feedback.sum_up();
-                return;
+                return true;
             }
         }
+        false
     }
 
     /// Whether a position of an axis is beyond its table.
