@@ -12,8 +12,7 @@ export const view: View = {
     scope = new Scope(root, desk);
     await scope.start();
   },
-  shown: () => scope?.visible(true),
-  hidden: () => scope?.visible(false),
+  shown: () => scope?.refresh(true),
   state: () => scope?.state() ?? {},
   open: async (state) => scope?.show(state),
 };
