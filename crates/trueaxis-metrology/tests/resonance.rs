@@ -92,7 +92,7 @@ fn a_rigid_axis_gets_no_resonance() {
     assert!(matches!(mechanics.resonance, Err(NoResonance::NotSeen { .. })), "{mechanics:?}");
 }
 
-/// Counts far above the ringing, and a resonance above the record's bandwidth: the search finds neither.
+/// Counts far above the ringing, and a resonance too fast for the record's rate: the search finds neither.
 #[test]
 fn a_record_that_cannot_show_the_resonance_gets_none() {
     for mechanics in [Mechanics { count: 2e-3, ..USUAL }, Mechanics { resonance_hz: 700.0, ..USUAL }] {

@@ -35,7 +35,7 @@ use std::vec::Vec;
 const HIGHEST_HZ: f64 = 400.0;
 /// Samples of the record per period of the highest one.
 const SAMPLES: f64 = 4.0;
-/// Above this share of the highest frequency, a resonance may be the image of one beyond it.
+/// From this share of the highest frequency on, a resonance found may stand in for one beyond the search.
 const NEAR_END: f64 = 0.8;
 /// Time before and after a reversal that counts, s.
 const BEFORE_S: f64 = 0.02;
