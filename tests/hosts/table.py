@@ -20,7 +20,7 @@ HOSTS = {
     "m4f-double": ("", "the same, against double precision", 2.0),
     "linuxcnc": ("LinuxCNC 2.9", "drive pins of every servo cycle", 0.0),
     "python": ("Python", "corrections at the commanded positions", 2.0),
-    "klipper": ("Klipper and Kalico", "every step when it is taken, 1.56 µm a microstep", 781.0),
+    "klipper": ("Klipper and Kalico", "every step as it occurs, 1.56 µm a microstep", 781.0),
     "grblhal": ("grblHAL", "motors after rapids, 0.05 µm a step; host, M4F and M7", 80.0),
 }
 BEGIN, END = "<!-- hosts -->", "<!-- /hosts -->"
