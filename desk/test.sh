@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the desk and drives it in Debian's Chromium: `desk/test.sh [TEST...]`, a test being the name of a view.
+# Builds the desk and drives it in Debian's Chromium: `desk/test.sh [TEST...]`, a test being a file in desk/tests without its ending.
 #
 # Compares what it shows with the programs of this workspace; leaves pictures in desk/shots. Installs what is missing:
 # Chromium by apt-get, as root.

@@ -10,7 +10,7 @@ import { picker, save, text } from "./core/files";
 import { fromLink, link, parse, type SavedPage } from "./core/link";
 import { MachineStore } from "./core/machine";
 import { setTheme, type Theme } from "./core/theme";
-import { views } from "./views";
+import { FIRST, groups, views } from "./views";
 
 const part = (id: string) => document.getElementById(id) as HTMLElement;
 
@@ -44,12 +44,39 @@ class Shown {
 
   /** Builds the view if it has not been yet. */
   build(): Promise<void> {
-    this.built ??= Promise.resolve(this.view.build(this.panel, this.desk));
+    if (!this.built) {
+      this.panel.setAttribute("aria-busy", "true");
+      this.built = Promise.resolve(this.view.build(this.panel, this.desk)).finally(() => this.panel.removeAttribute("aria-busy"));
+    }
     return this.built;
   }
 
   get isBuilt(): boolean {
     return this.built !== undefined;
+  }
+}
+
+/** The groups of the views; the tabs are those of the group in front. */
+class Navigation {
+  readonly buttons: HTMLButtonElement[];
+  /** The view last shown of each group. */
+  private readonly last: string[];
+
+  constructor(
+    private readonly shown: readonly Shown[],
+    show: (id: string) => void,
+  ) {
+    this.last = groups.map(([, [view]]) => view!.id);
+    this.buttons = groups.map(([title], i) => button(title, () => show(this.last[i]!)));
+  }
+
+  /** Shows the place of a view. */
+  follow({ view }: Shown): void {
+    const own = groups.findIndex(([, views]) => views.includes(view));
+    if (own >= 0) this.last[own] = view.id;
+    this.buttons.forEach((button, i) => (i === own ? button.setAttribute("aria-current", "true") : button.removeAttribute("aria-current")));
+    const tabs = groups[own]?.[1] ?? [view];
+    for (const one of this.shown) one.tab.hidden = !tabs.includes(one.view);
   }
 }
 
@@ -85,10 +112,13 @@ async function start(): Promise<void> {
     worker.onRestart((why) => desk.fail(new Error(`The computation stopped and was restarted: ${why}`)));
 
   const shown = views.map((view) => new Shown(view, desk));
-  let front = shown[0]!;
+  const first = shown.find(({ view }) => view.id === FIRST)!;
+  let front = first;
+  const navigation = new Navigation(shown, (id) => void show(id));
 
   async function show(id: string): Promise<void> {
-    const next = shown.find(({ view }) => view.id === id) ?? shown[0]!;
+    const next = shown.find(({ view }) => view.id === id) ?? first;
+    if (front !== next && front.isBuilt) front.view.hidden?.();
     front = next;
     for (const one of shown) {
       const chosen = one === next;
@@ -96,15 +126,22 @@ async function start(): Promise<void> {
       one.tab.setAttribute("aria-selected", String(chosen));
       one.tab.tabIndex = chosen ? 0 : -1;
     }
+    navigation.follow(next);
     try {
       await next.build();
-      next.view.shown?.();
+      // Another view may have come to the front in the meantime.
+      if (front === next) next.view.shown?.();
     } catch (thrown) {
       desk.fail(thrown);
     }
   }
 
+  machine.subscribe(() => {
+    const { name, changed } = machine;
+    part("machine").textContent = changed.length === 0 ? `Machine ${name}, as opened` : `Machine ${name}, changed since it was opened: ${changed.join(", ")}`;
+  });
   const tabs = part("tabs");
+  part("groups").append(...navigation.buttons);
   tabs.append(...shown.map(({ tab }) => tab));
   part("main").append(...shown.map(({ panel }) => panel));
   tabs.addEventListener("keydown", (event) => {
@@ -128,7 +165,7 @@ async function start(): Promise<void> {
     // Refused files leave the state unchanged.
     await bench.call("machine_open", JSON.stringify(state.machine.files));
     desk.clear();
-    machine.set(state.machine.name, state.machine.files);
+    machine.set(state.machine.name, state.machine.files, true);
     for (const one of shown) {
       if (!(one.view.id in state.views)) continue;
       // A view is built while it is visible, because plots need its width.
@@ -144,7 +181,6 @@ async function start(): Promise<void> {
   }
 
   tools(part("tools"), desk, kept, open);
-  part("version").textContent = `trueaxis ${await bench.call("version")}`;
   const sample = JSON.parse(await bench.call("machine_sample", "mill-3axis")) as Record<string, string>;
   machine.set("mill-3axis", sample);
   try {
@@ -156,6 +192,7 @@ async function start(): Promise<void> {
     await show(front.view.id);
     desk.fail(thrown);
   }
+  part("about").append(button(`About trueaxis ${await bench.call("version")}`, () => void show("about")));
   const root = document.documentElement.dataset;
   root.readyMs = String(Math.round(performance.now()));
   root.ready = "true";

@@ -1,4 +1,4 @@
-// The views, in the order of their tabs.
+// The views in their groups.
 
 import type { View } from "./core/desk";
 import { view as about } from "./about/view";
@@ -14,4 +14,14 @@ import { view as scope } from "./scope/view";
 import { view as thermal } from "./thermal/view";
 import { view as uncertainty } from "./uncertainty/view";
 
-export const views: View[] = [machine, scope, helicoid, roundness, calibrate, keep, ballbar, evaluate, thermal, friction, uncertainty, about];
+/** The views in the order of the work: what is measured, the machine it makes, the run on it, how it is kept true, and the part. */
+export const groups: readonly (readonly [title: string, views: readonly View[]])[] = [
+  ["Measure", [ballbar, evaluate, roundness, friction, calibrate]],
+  ["Machine", [machine, uncertainty]],
+  ["Run", [scope]],
+  ["Keep", [thermal, keep]],
+  ["Part", [helicoid]],
+];
+/** The view with which the desk opens. */
+export const FIRST = scope.id;
+export const views: readonly View[] = [...groups.flatMap(([, own]) => own), about];

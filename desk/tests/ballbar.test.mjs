@@ -193,6 +193,8 @@ test("a record that cannot be used is refused in the command line's words", asyn
 
 test("a file opens what belongs to a record again", async () => {
   const { panel, page, close } = await opened();
+  await drop(panel, { "record.csv": fs.readFileSync(record) });
+  await panel.getByText("record.csv: 720 readings").waitFor();
   await panel.getByLabel("Nominal radius / mm").fill("150");
   await panel.getByLabel("Nominal radius / mm").press("Tab");
   await panel.getByLabel("Pitch of Y / mm").fill("5");

@@ -136,8 +136,9 @@ test("before a record the page shows the columns of records", async () => {
   const { page, panel, close } = await opened();
   const rows = await shownTable(panel, "Columns of a record");
   assert.equal(Object.keys(rows).length, 5);
+  await panel.getByText("Diagonal displacement test, step-diagonal.csv").waitFor();
   await pictured(page, "tests");
-  // A selected test shows its options and its command line before the user drops a record.
+  // A selected test without a sample shows its options and its command line before the user drops a record.
   await panel.getByLabel("Kind of test").selectOption("r-test");
   assert.equal(await code(panel), "trueaxis evaluate r-test record.csv --machine mill-3axis -o mill-3axis");
   await close();
@@ -324,6 +325,9 @@ test("a file opens test and options again", async () => {
   await panel.getByLabel("Period / min").fill("30");
   await panel.getByLabel("Period / min").press("Tab");
   await panel.getByText("--period-min 30").waitFor();
+  assert.equal(await code(panel), "trueaxis evaluate thermal spindle.csv --test spindle --period-min 30");
+  await drop(panel, { "warming.csv": records["warming.csv"] });
+  await panel.getByText("Thermal test, warming.csv").waitFor();
   const kept = await saved(page, page.getByRole("button", { name: "Save", exact: true }));
   await close();
   const second = await opened();

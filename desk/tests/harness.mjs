@@ -23,10 +23,10 @@ let browser;
 /**
  * Opens a page with the desk and waits until it is ready. `close()` fails if the page logged an error that is not in `quiet`.
  */
-export async function openDesk({ hash = "", dark = false, quiet = [] } = {}) {
+export async function openDesk({ hash = "", dark = false, width = 1400, quiet = [] } = {}) {
   browser ??= await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: flags });
   const context = await browser.newContext({
-    viewport: { width: 1400, height: 900 },
+    viewport: { width, height: 900 },
     colorScheme: dark ? "dark" : "light",
     acceptDownloads: true,
   });
@@ -53,10 +53,25 @@ export async function closeBrowser() {
   browser = undefined;
 }
 
-/** Opens a tab of the desk by its name. */
+/** The groups of the desk and their views. */
+export const GROUPS = {
+  Measure: ["Ballbar", "Tests", "Roundness", "Friction", "Calibrate"],
+  Machine: ["Machine", "Uncertainty"],
+  Run: ["Servo scope"],
+  Keep: ["Thermal growth", "Keep"],
+  Part: ["Helicoid and five axes"],
+};
+
+/** Opens a view of the desk by its name, its group, then its tab, and waits until it is built. */
 export async function view(page, name) {
-  await page.getByRole("tab", { name }).click();
-  return page.getByRole("tabpanel", { name });
+  const [group] = Object.entries(GROUPS).find(([, views]) => views.includes(name)) ?? [];
+  if (group) {
+    await page.getByRole("navigation", { name: "Groups of views" }).getByRole("button", { name: group }).click();
+    await page.getByRole("tab", { name, exact: true }).click();
+  } else await page.getByRole("button", { name: /^About/ }).click();
+  const panel = page.getByRole("tabpanel", { name, exact: true });
+  await page.locator('[role="tabpanel"]:not([hidden], [aria-busy])').waitFor({ state: "attached" });
+  return panel;
 }
 
 /** Runs one of the programs; returns its exit code and output. */
@@ -131,7 +146,7 @@ export async function saved(page, locator) {
 }
 
 /** Saves a picture for people to look at. */
-export async function shot(page, name) {
+export async function shot(page, name, fullPage = false) {
   fs.mkdirSync(path.join(root, "desk/shots"), { recursive: true });
-  await page.screenshot({ path: path.join(root, "desk/shots", `${name}.png`) });
+  await page.screenshot({ path: path.join(root, "desk/shots", `${name}.png`), fullPage });
 }

@@ -155,12 +155,12 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 928
+#define TRUEAXIS_STATE_WORDS 952
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_state_t`.
-#define TRUEAXIS_STATE_WORDS 488
+#define TRUEAXIS_STATE_WORDS 504
 #endif
 
 /// The foot is a minimum of the distance, bracketed by − and +.
@@ -212,10 +212,10 @@
 #define TRUEAXIS_DYNAMICS_ALL 127
 
 /// Bit of `dynamics_off`: no part but a rule. Friction, lag and acceleration are off until the contour error shows that
-/// they help, then act as far as it shows that, and are led out where they harm; the integral of the contour feedback
-/// ends at each reversal of its axis. Without a measure nothing is shown, and the three stay off. For drives whose
-/// figures are uncertain: 8 % instead of 22 % of simulated plants get more than 5 % worse than without dynamic
-/// correction, at the price of little gain on tracks of one or two seconds.
+/// they help, then act as far as it shows that, and are led out where they harm; the contour feedback acts on no error
+/// at rest. Without a measure nothing is shown, and the three stay off. For drives whose figures are uncertain: 8 %
+/// instead of 22 % of simulated plants get more than 5 % worse than without dynamic correction, at the price of little
+/// gain on tracks of one or two seconds.
 #define TRUEAXIS_DYNAMICS_ON_TRIAL 128
 
 /// Bit of `record.status`: the machine is homed and enabled, the readings are valid, and the correction follows the

@@ -20,10 +20,10 @@ pub const LOOP_WORDS: usize = 1264;
 pub const LOOP_WORDS: usize = 736;
 /// Words of a `trueaxis_state_t`.
 #[cfg(not(feature = "single"))]
-pub const STATE_WORDS: usize = 928;
+pub const STATE_WORDS: usize = 952;
 /// Words of a `trueaxis_state_t`.
 #[cfg(feature = "single")]
-pub const STATE_WORDS: usize = 488;
+pub const STATE_WORDS: usize = 504;
 
 /// Tables, limits and settings of a machine. Immutable; may be copied and may be read from any thread.
 #[repr(C)]

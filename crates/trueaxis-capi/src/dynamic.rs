@@ -21,10 +21,10 @@ pub const DYNAMICS_TAKE_UP: u8 = 64;
 /// All parts of the dynamic correction: bits of `dynamics_off`.
 pub const DYNAMICS_ALL: u8 = 127;
 /// Bit of `dynamics_off`: no part but a rule. Friction, lag and acceleration are off until the contour error shows that
-/// they help, then act as far as it shows that, and are led out where they harm; the integral of the contour feedback
-/// ends at each reversal of its axis. Without a measure nothing is shown, and the three stay off. For drives whose
-/// figures are uncertain: 8 % instead of 22 % of simulated plants get more than 5 % worse than without dynamic
-/// correction, at the price of little gain on tracks of one or two seconds.
+/// they help, then act as far as it shows that, and are led out where they harm; the contour feedback acts on no error
+/// at rest. Without a measure nothing is shown, and the three stay off. For drives whose figures are uncertain: 8 %
+/// instead of 22 % of simulated plants get more than 5 % worse than without dynamic correction, at the price of little
+/// gain on tracks of one or two seconds.
 pub const DYNAMICS_ON_TRIAL: u8 = 128;
 
 const _: () = assert!(

@@ -1,9 +1,11 @@
 // A recorded circle: figures after ISO 230-4, causes of the deviation, and the corrections written to the machine.
 
+import sample from "../../../records/ballbar.csv";
 import { IntoMachine, type Becomes } from "../core/becomes";
 import { message, type Desk } from "../core/desk";
 import { choice, commandLine, el, group, numberField, optionalField, section, tick } from "../core/dom";
 import { onDrop, picker, type Given } from "../core/files";
+import { FIRST_MACHINE, Samples } from "../core/sample";
 import { word } from "../core/shell";
 import type { Axes, Evaluated, Request } from "./documents";
 import { Results } from "./results";
@@ -11,6 +13,8 @@ import { Results } from "./results";
 export interface ViewState {
   request: Request;
   compensated: boolean;
+  /** Whether the record is the sample, which a file need not contain. */
+  sample?: boolean;
 }
 
 const PLANES: readonly Axes[] = ["X,Y", "Z,X", "Y,Z", "Y,X", "X,Z", "Z,Y"];
@@ -19,7 +23,7 @@ const LETTERS = ["X", "Y", "Z"] as const;
 export class Ballbar {
   private request: Request = { radius_mm: 100, axes: "X,Y", pitches_mm: [null, null, null] };
   private compensated = false;
-  private record: { name: string; bytes: Uint8Array } | undefined;
+  private record: { name: string; bytes: Uint8Array; sample: boolean } | undefined;
   private latest = 0;
   private readonly radius;
   private readonly plane;
@@ -27,6 +31,7 @@ export class Ballbar {
   private readonly corrected;
   private readonly status = el("span", { role: "status" });
   private readonly command = commandLine("The same on the command line:");
+  private readonly samples = new Samples([["Try a sample", () => this.trySample()]]);
   private readonly results = new Results();
   private readonly into: IntoMachine;
 
@@ -61,6 +66,7 @@ export class Ballbar {
       section(
         "Record",
         el("div", { class: "source" }, group("Recorded circles about one centre", files, form), group("Data of the circles", this.radius.root, this.plane.root), group("Pitch of periodic errors", ...pitches.map((field) => field.root))),
+        this.samples.root,
         el("div", { class: "row" }, this.status),
         this.command.root,
       ),
@@ -75,32 +81,40 @@ export class Ballbar {
     });
     desk.bench.onRestart(() => this.forget("The record was lost with the computation: drop it again."));
     this.describe();
+    if (desk.machine.name === FIRST_MACHINE) this.trySample();
   }
 
   get state(): ViewState {
-    return { request: structuredClone(this.request), compensated: this.compensated };
+    return { request: structuredClone(this.request), compensated: this.compensated, ...(this.record?.sample ? { sample: true } : {}) };
   }
 
-  /** The state contains no record: the user must drop it again. */
-  open({ request, compensated }: ViewState): void {
+  /** The state contains no record but the sample: the user must drop any other again. */
+  open({ request, compensated, sample }: ViewState): void {
     this.request = structuredClone(request);
     this.compensated = this.corrected.input.checked = compensated;
     this.radius.value = request.radius_mm;
     this.plane.value = request.axes;
     this.pitches.forEach((input, i) => (input.value = String(request.pitches_mm[i] ?? "")));
     this.describe();
-    this.forget("The record was a file: drop it again.");
+    if (sample) this.trySample();
+    else this.forget("The record was a file: drop it again.");
   }
 
   private take([file]: Given[]): void {
     if (!file) return;
-    this.record = { name: file.path.split("/").at(-1) ?? file.path, bytes: file.bytes };
+    this.record = { name: file.path.split("/").at(-1) ?? file.path, bytes: file.bytes, sample: false };
+    void this.evaluate();
+  }
+
+  private trySample(): void {
+    this.record = { name: "ballbar.csv", bytes: new TextEncoder().encode(sample), sample: true };
     void this.evaluate();
   }
 
   private forget(why: string): void {
     this.latest += 1;
     this.record = undefined;
+    this.samples.shown = false;
     this.status.textContent = why;
     this.results.clear();
     this.into.root.hidden = true;
@@ -111,6 +125,7 @@ export class Ballbar {
     const { record, request } = this;
     if (!record) return;
     const turn = ++this.latest;
+    this.samples.shown = record.sample;
     this.status.textContent = `Evaluating ${record.name} …`;
     try {
       const said = await this.desk.bench.call("ballbar_evaluate", record.name, record.bytes, JSON.stringify(request));

@@ -1,5 +1,8 @@
 // From a task to a probing program, from its log to the errors of the machine.
 
+import log from "../../../records/probing/probe.log";
+import machine from "../../../records/probing/mill/machine.toml";
+import task from "../../../records/probing/task.toml";
 import type { Desk } from "../core/desk";
 import { word } from "../core/shell";
 import type { Found } from "./documents";
@@ -17,7 +20,8 @@ const WORDS = {
   hint: "or drop them: task.toml; machine.toml with its tables, unless it is the machine shown; the log of LinuxCNC, grblHAL, Klipper, or a CSV",
   accept: ".toml,.csv,.log,.txt",
   what: "Errors found by probing",
-  without: "Run the program; then open the control's log here.",
+  without: "Run the program; then open the control's log here, or try a sample: the log of another mill, with its task.",
+  tried: [["Try a sample", { "task.toml": task, "machine.toml": machine, "probe.log": log }]],
 } as const;
 
 export class Calibrate extends Probing {

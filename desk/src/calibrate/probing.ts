@@ -6,6 +6,7 @@ import { button, commandLine, debounce, el, notes, section, unique } from "../co
 import { onDrop, picker, save, text, type Given } from "../core/files";
 import type { Files } from "../core/machine";
 import { significant } from "../core/number";
+import { Samples } from "../core/sample";
 import { word } from "../core/shell";
 import { tabled } from "../core/shown";
 import type { Planned } from "./documents";
@@ -19,6 +20,9 @@ export interface Log {
   name: string;
   text: string;
 }
+
+/** Files of a task that has been run: task, machine, log. */
+export type Sample = Readonly<Record<string, string>>;
 
 /** Names and texts that differ between the kinds of task. */
 export interface Words {
@@ -36,6 +40,8 @@ export interface Words {
   /** Name of the result that the machine gets, and the text shown without a log. */
   what: string;
   without: string;
+  /** Files opened by the button of the same text. */
+  tried: readonly (readonly [button: string, files: Sample])[];
 }
 
 const DESCRIPTION = "machine.toml";
@@ -57,6 +63,7 @@ export abstract class Probing {
   private readonly plan = commandLine("The same on the command line:");
   protected readonly solve = commandLine("The same on the command line:");
   protected readonly solved = el("p", { role: "status" });
+  private readonly samples: Samples;
   protected readonly into: IntoMachine;
   protected readonly soon = debounce(250, () => void this.work());
 
@@ -76,6 +83,7 @@ export abstract class Probing {
     this.into = new IntoMachine(desk, words.what);
     this.into.root.hidden = true;
     const open = (given: Given[]) => this.take(given);
+    this.samples = new Samples(words.tried.map(([button, files]) => [button, () => this.trySample(files)]));
     root.append(
       section(
         "Task",
@@ -94,7 +102,7 @@ export abstract class Probing {
         ),
         this.plan.root,
       ),
-      section("Log", ...controls, this.solved, this.solve.root),
+      section("Log", ...controls, this.samples.root, this.solved, this.solve.root),
       results,
       this.into.root,
     );
@@ -129,7 +137,14 @@ export abstract class Probing {
     void this.work();
   }
 
+  private trySample(files: Sample): void {
+    const encoder = new TextEncoder();
+    this.take(Object.entries(files).map(([path, content]) => ({ path, bytes: encoder.encode(content) })));
+    this.samples.shown = true;
+  }
+
   private take(given: Given[]): void {
+    this.samples.shown = false;
     const texts = new Map<string, string>();
     for (const { path, bytes } of given) {
       const [name, content] = [path.split("/").at(-1) ?? path, text(bytes)];
@@ -193,6 +208,7 @@ export abstract class Probing {
   /** Closes the log. */
   protected idle(): void {
     this.solved.textContent = this.words.without;
+    this.samples.shown = false;
     this.into.root.hidden = true;
     this.clear();
   }

@@ -2,18 +2,20 @@
 
 import { el, section } from "../core/dom";
 import { Plot } from "../core/plot";
-import { showPlots, showTables } from "../core/shown";
+import { clearest } from "../core/sentence";
+import { Sentence, showPlots, showTables } from "../core/shown";
 import type { Found } from "./documents";
 
 export class Results {
   readonly root: HTMLElement;
+  private readonly sentence = new Sentence();
   private readonly figures = el("div", { class: "figures" });
   private readonly plots = el("div");
   private readonly residuals = el("div");
 
   constructor() {
     const plots = section("Residuals and curves", this.residuals, this.plots);
-    this.root = el("div", { class: "columns" }, plots, section("Errors found", this.figures));
+    this.root = el("div", {}, this.sentence.root, el("div", { class: "columns" }, plots, section("Errors found", this.figures)));
     this.clear();
   }
 
@@ -23,6 +25,7 @@ export class Results {
 
   show(found: Found): void {
     this.root.hidden = false;
+    this.sentence.set(clearest(found.shown));
     showTables(this.figures, found.shown);
     this.drawResiduals(found);
     showPlots(this.plots, found.shown.plots);

@@ -11,6 +11,8 @@ export interface View {
   build(root: HTMLElement, desk: Desk): void | Promise<void>;
   /** Called each time the view comes to the front. */
   shown?(): void;
+  /** Called when another view comes to the front. */
+  hidden?(): void;
   /** State that a link or file keeps to restore the view; JSON. */
   state(): unknown;
   /** Shows a kept state; called after `build`. */

@@ -10,13 +10,22 @@ export class MachineStore {
   files: Files = {};
   /** The files in the module's format. */
   json = "{}";
+  /** The files as they were opened. */
+  private opened: Files = {};
 
   /** Sets another machine, or the same one after an edit. The module must have read the files. */
-  set(name: string, files: Files): void {
+  set(name: string, files: Files, opened = name !== this.name): void {
+    if (opened) this.opened = files;
     this.name = name;
     this.files = files;
     this.json = JSON.stringify(files);
     for (const listener of this.listeners) listener();
+  }
+
+  /** Names of the files that differ from those that were opened. */
+  get changed(): string[] {
+    const names = new Set([...Object.keys(this.opened), ...Object.keys(this.files)]);
+    return [...names].filter((name) => this.opened[name] !== this.files[name]);
   }
 
   subscribe(listener: () => void): void {

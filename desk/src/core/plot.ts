@@ -46,6 +46,10 @@ export interface PlotOptions {
   range?: [number, number];
   /** A logarithmic vertical axis. */
   logarithmic?: boolean;
+  /** Shown in place of a plot without values: what will be there. */
+  empty?: string;
+  /** Meaning of the shaded stretches. */
+  shaded?: string;
 }
 
 type Column = ArrayLike<number | null>;
@@ -59,34 +63,47 @@ const groups = new Map<string, Plot[]>();
 export class Plot {
   readonly root: HTMLElement;
   private readonly area: HTMLElement;
+  private readonly empty: HTMLElement;
+  private readonly key: HTMLElement;
   private readonly readout: HTMLElement;
   private readonly rows: HTMLElement;
   private readonly details: HTMLDetailsElement;
   private plot: uPlot | undefined;
   private data: Column[] = [];
   private marks: { x: number; text: string }[] = [];
+  private shaded: [from: number, to: number][] = [];
   private cursor: number | null = null;
+  /** Whether the colours have changed while the plot was hidden. */
+  private stale = false;
 
   constructor(
     host: HTMLElement,
     private readonly options: PlotOptions,
   ) {
     const id = unique("plot");
-    this.area = el("div", { class: "plot", tabindex: 0, role: "img", "aria-labelledby": id, onkeydown: (event: KeyboardEvent) => this.key(event) });
+    this.area = el("div", { class: "plot", tabindex: 0, role: "img", "aria-labelledby": id, hidden: true, onkeydown: (event: KeyboardEvent) => this.pressed(event) });
+    this.empty = el("p", { class: "empty", style: `min-height:${options.height ?? 200}px` }, options.empty ?? "No values yet.");
+    this.key = el("small", { class: "shaded", hidden: true }, options.shaded ?? "");
     this.readout = el("output", { class: "readout", for: id });
     this.rows = el("div", { class: "rows", tabindex: 0, role: "group", "aria-label": `${options.title}: numbers` });
     this.details = el("details", { ontoggle: () => this.fill() }, el("summary", {}, "Table"), this.rows, button("Save CSV", () => this.csv()));
-    this.root = el("figure", {}, el("figcaption", { id }, options.title), this.area, this.readout, this.details);
+    this.root = el("figure", {}, el("figcaption", { id }, options.title), this.key, this.empty, this.area, this.readout, this.details);
     host.append(this.root);
     if (options.sync) groups.set(options.sync, [...(groups.get(options.sync) ?? []).filter(({ root }) => root.isConnected), this]);
     new ResizeObserver(() => this.resize()).observe(this.area);
-    onTheme(this, (plot) => plot.rebuild());
+    onTheme(this, (plot) => {
+      plot.stale = true;
+      plot.rebuild();
+    });
   }
 
   /** Columns: the horizontal axis first, then one per series; null leaves a gap. */
   set(data: Column[]): void {
     this.data = data;
-    if (this.plot) this.plot.setData(this.aligned());
+    this.area.hidden = !data[0]?.length;
+    this.empty.hidden = !this.area.hidden;
+    if (this.area.hidden) return;
+    if (this.plot && !this.stale) this.plot.setData(this.aligned());
     else this.rebuild();
     this.describe();
     if (this.details.open) this.fill();
@@ -95,6 +112,13 @@ export class Plot {
   /** Vertical lines with a word each. */
   mark(marks: { x: number; text: string }[]): void {
     this.marks = marks;
+    this.plot?.redraw(false);
+  }
+
+  /** Shades stretches of the horizontal axis. */
+  shade(stretches: [from: number, to: number][]): void {
+    this.shaded = stretches;
+    this.key.hidden = stretches.length === 0 || this.options.shaded === undefined;
     this.plot?.redraw(false);
   }
 
@@ -130,7 +154,7 @@ export class Plot {
   }
 
   private resize(): void {
-    if (!this.plot) this.rebuild();
+    if (!this.plot || this.stale) this.rebuild();
     else if (this.area.clientWidth > 0 && Math.abs(this.width() - this.plot.width) > 1)
       this.plot.setSize({ width: this.width(), height: this.options.height ?? 200 });
   }
@@ -138,6 +162,7 @@ export class Plot {
   private rebuild(): void {
     if (this.data.length === 0 || this.area.clientWidth === 0) return;
     this.plot?.destroy();
+    this.stale = false;
     const { options } = this;
     const axis = (label: string, size: number): uPlot.Axis => ({
       label,
@@ -160,6 +185,7 @@ export class Plot {
       series: [{ label: options.x }, ...options.series.map((one) => this.series(one))],
       hooks: {
         setCursor: [(plot) => this.moved(plot.cursor.idx ?? null)],
+        drawClear: [(plot) => this.drawShades(plot)],
         draw: [(plot) => this.drawMarks(plot)],
       },
     };
@@ -184,6 +210,15 @@ export class Plot {
       points: { show: one.points ?? one.dots ?? false, size: 5, fill: colour(one.colour) },
       ...(one.bars ? { paths: uPlot.paths.bars!({ size: [0.76, 40] }), width: one.bars === "hatched" ? 1 : 0, fill: one.bars === "hatched" ? hatching(colour(one.colour)) : colour(one.colour) } : {}),
     };
+  }
+
+  private drawShades(plot: uPlot): void {
+    const { ctx, bbox } = plot;
+    ctx.fillStyle = colour("grid");
+    for (const [from, to] of this.shaded) {
+      const [left, right] = [from, to].map((x) => Math.min(bbox.left + bbox.width, Math.max(bbox.left, plot.valToPos(x, "x", true)))) as [number, number];
+      if (right > left) ctx.fillRect(left, bbox.top, right - left, bbox.height);
+    }
   }
 
   private drawMarks(plot: uPlot): void {
@@ -222,7 +257,7 @@ export class Plot {
     return [at, ...this.options.series.map((one, i) => `${one.name} ${number(this.data[i + 1], digits)}${one.unit ? ` ${one.unit}` : ""}`)].join("   ");
   }
 
-  private key(event: KeyboardEvent): void {
+  private pressed(event: KeyboardEvent): void {
     const length = this.data[0]?.length ?? 0;
     if (length === 0) return;
     const now = this.cursor ?? (event.key === "ArrowLeft" ? length : -1);

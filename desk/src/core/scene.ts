@@ -134,7 +134,7 @@ export class Scene {
     for (const x of [x0, x1]) for (const y of [y0, y1]) edges.push(x, y, z0, x, y, z1);
     this.lines(new Float32Array(edges), "servo");
     const least = 1e-6 * Math.max(x1 - x0, y1 - y0, z1 - z0);
-    const number = (value: number) => String(Math.abs(value) < least ? 0 : Number(value.toPrecision(6))).replace("-", "−");
+    const number = (value: number) => String(Math.abs(value) < least ? 0 : Number(value.toPrecision(4))).replace("-", "−");
     const middle = [(x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2] as const;
     this.label([middle[0], y0, z0], `${letters[0]} ${number(x0)}…${number(x1)}`);
     this.label([x1, middle[1], z0], `${letters[1]} ${number(y0)}…${number(y1)}`);
@@ -202,8 +202,12 @@ export class Scene {
   private place(view: Matrix, width: number, height: number): void {
     for (const { at, element } of this.written) {
       const [x, y, , w] = [0, 1, 2, 3].map((k) => view[k]! * at[0] + view[4 + k]! * at[1] + view[8 + k]! * at[2] + view[12 + k]!) as [number, number, number, number];
-      element.style.transform = `translate(${((x / w + 1) / 2) * width}px, ${((1 - y / w) / 2) * height}px) translate(-50%, -50%)`;
       element.hidden = w <= 0;
+      // Within the picture: a label cut at its edge cannot be read.
+      const [half, high] = [element.offsetWidth / 2, element.offsetHeight / 2];
+      const inside = (at: number, end: number, room: number) => Math.max(room, Math.min(end - room, at));
+      const [left, top] = [inside(((x / w + 1) / 2) * width, width, half), inside(((1 - y / w) / 2) * height, height, high)];
+      element.style.transform = `translate(${left}px, ${top}px) translate(-50%, -50%)`;
     }
   }
 

@@ -20,6 +20,16 @@ export function tabled({ caption, header, rows, bars: column }: Table): HTMLElem
   return of;
 }
 
+/** A result in a sentence, above its plots and tables. */
+export class Sentence {
+  readonly root = el("p", { class: "result", hidden: true });
+
+  set(text: string): void {
+    this.root.textContent = text.slice(0, 1).toUpperCase() + text.slice(1);
+    this.root.hidden = text === "";
+  }
+}
+
 /** Notes and tables of a result. */
 export function showTables(host: HTMLElement, shown: Shown): void {
   host.replaceChildren(notes("Notes", shown.notes, "warning"), ...shown.tables.map(tabled));

@@ -68,23 +68,28 @@ export function setTheme(theme: Theme): void {
 query.addEventListener("change", apply);
 apply();
 
-/** Sizes from 0 to 1 as colours that grow evenly lighter (cividis, Nuñez et al., 10.1371/journal.pone.0199239). */
-const SCALE: ReadonlyArray<readonly [number, number, number]> = [
-  [0.0, 0.135, 0.305],
-  [0.165, 0.253, 0.43],
-  [0.315, 0.363, 0.427],
-  [0.448, 0.475, 0.461],
-  [0.585, 0.589, 0.465],
-  [0.735, 0.712, 0.421],
-  [0.886, 0.843, 0.336],
-  [0.995, 0.909, 0.217],
+type Colour = readonly [number, number, number];
+
+/**
+ * Errors from none to the largest: from blue to red on a light page, from blue to yellow on a dark one. The larger the error, the
+ * further its lightness is from that of the page, so that the scale reads without colour; even the smallest has a contrast of 3.
+ */
+const SCALE: readonly [light: readonly Colour[], dark: readonly Colour[]] = [
+  [[75, 147, 189], [96, 113, 178], [136, 66, 134], [144, 24, 60], [84, 4, 16]],
+  [[79, 127, 181], [152, 138, 200], [222, 150, 164], [246, 190, 120], [255, 233, 168]],
 ];
 
-/** Colour of a size from 0 to 1; reversed in the light theme, in which the darkest is the largest. */
+/** Colour of an error from 0 to 1, as red, green and blue from 0 to 1. */
 export function scale(size: number): [number, number, number] {
-  const clamped = Math.min(1, Math.max(0, size));
-  const at = (dark() ? clamped : 1 - clamped) * (SCALE.length - 1);
-  const low = Math.min(SCALE.length - 2, Math.floor(at));
-  const [one, next] = [SCALE[low]!, SCALE[low + 1]!];
-  return [0, 1, 2].map((k) => one[k]! + (next[k]! - one[k]!) * (at - low)) as [number, number, number];
+  const stops = SCALE[dark() ? 1 : 0];
+  const at = Math.min(1, Math.max(0, size)) * (stops.length - 1);
+  const low = Math.min(stops.length - 2, Math.floor(at));
+  const [one, next] = [stops[low]!, stops[low + 1]!];
+  return [0, 1, 2].map((k) => (one[k]! + (next[k]! - one[k]!) * (at - low)) / 255) as [number, number, number];
+}
+
+/** Black or white, whichever is easier to read on a colour (WCAG 2.2, relative luminance). */
+export function inkOn(colour: readonly number[]): "#000" | "#fff" {
+  const [red, green, blue] = colour.map((part) => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4)) as [number, number, number];
+  return 0.2126 * red + 0.7152 * green + 0.0722 * blue > 0.179 ? "#000" : "#fff";
 }

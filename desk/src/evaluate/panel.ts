@@ -1,23 +1,28 @@
 // A record of a test with an instrument: the kind of test, its figures and curves, and the corrections written to the machine.
 
 import { IntoMachine } from "../core/becomes";
-import { type Desk } from "../core/desk";
+import { message, type Desk } from "../core/desk";
 import { choice, commandLine, debounce, el, group, section, table } from "../core/dom";
 import { onDrop, picker, type Given } from "../core/files";
+import { FIRST_MACHINE, Samples } from "../core/sample";
 import { word } from "../core/shell";
 import type { Evaluated, Test } from "./documents";
 import { Results } from "./results";
-import { TESTS, type Option, type Value } from "./tests";
+import { SAMPLES, TESTS, type Option, type Value } from "./tests";
 
 export interface ViewState {
   chosen: Test | "";
   options: Record<string, Value>;
+  /** The sample shown, which a file need not contain. */
+  sample?: Test;
 }
 
 const ALL = Object.entries(TESTS) as [Test, (typeof TESTS)[Test]][];
 
+const WITHOUT = "Open a record, or drop one: its columns identify the test.";
+
 export class Evaluate {
-  private record: { name: string; bytes: Uint8Array } | undefined;
+  private record: { name: string; bytes: Uint8Array; sample: Test | undefined } | undefined;
   /** Identified from the columns of the record. */
   private recognised: Test | undefined;
   private latest = 0;
@@ -26,9 +31,10 @@ export class Evaluate {
   private readonly options = new Map<Test, Option[]>();
   private readonly groups = new Map<Test, HTMLElement>();
   private readonly chosen;
-  private readonly status = el("p", { role: "status" }, "Open a record, or drop one: its columns identify the test.");
+  private readonly status = el("p", { role: "status" }, WITHOUT);
   private readonly overview: HTMLElement;
   private readonly command = commandLine("The same on the command line:");
+  private readonly samples = new Samples(ALL.filter(([test]) => SAMPLES[test]).map(([test, { title }]) => [`Try a sample: ${title}`, () => this.trySample(test)]));
   private readonly results = new Results();
   private readonly into: IntoMachine;
 
@@ -43,14 +49,14 @@ export class Evaluate {
       this.into.begin();
       later();
     };
-    this.chosen = choice<Test | "">("Kind of test", [["", "as the record's columns show"], ...ALL.map(([test, { title }]) => [test, title] as const)], "", again);
+    this.chosen = choice<Test | "">("Kind of test", [["", "as the record's columns show"], ...ALL.map(([test, { title }]) => [test, title] as const)], "", (kind) => this.choose(kind));
     for (const [test, { title, columns, about, options }] of ALL) {
       const own = options(soon);
       this.options.set(test, own);
       const rows = el("div", {}, ...[`Columns: ${columns}`, about].map((text) => el("small", {}, text)));
       this.groups.set(test, group(title, ...own.map((option) => option.root), rows));
     }
-    this.overview = table("Columns of a record", ["test", "columns; those in brackets may be left out", "rows and results"], ALL.map(([, { title, columns, about }]) => [title, columns, about]));
+    this.overview = section("Records", table("Columns of a record", ["test", "columns; those in brackets may be left out", "rows and results"], ALL.map(([, { title, columns, about }]) => [title, columns, about])));
     this.into = new IntoMachine(desk, "Errors found by the test");
     this.into.root.hidden = true;
     const open = (given: Given[]) => this.take(given);
@@ -58,12 +64,13 @@ export class Evaluate {
       section(
         "Record",
         el("div", { class: "row" }, picker("Open a record", { accept: ".csv,.txt" }, open, desk.fail), this.chosen.root, ...this.groups.values()),
+        this.samples.root,
         this.status,
         this.command.root,
-        this.overview,
       ),
       this.results.root,
       this.into.root,
+      this.overview,
     );
     onDrop(root, open, desk.fail);
     desk.machine.subscribe(() => {
@@ -74,19 +81,22 @@ export class Evaluate {
     });
     desk.bench.onRestart(() => this.nothing("The computation stopped; drop the record again."));
     this.describe();
+    if (desk.machine.name === FIRST_MACHINE) this.trySample("step-diagonal");
   }
 
   get state(): ViewState {
     const all = [...this.options].flatMap(([test, own]) => own.map((option) => [`${test}.${option.key}`, option.kept()] as const));
-    return { chosen: this.chosen.value, options: Object.fromEntries(all) };
+    const { sample } = this.record ?? {};
+    return { chosen: this.chosen.value, options: Object.fromEntries(all), ...(sample ? { sample } : {}) };
   }
 
-  /** The state contains no record: the user must drop it again. */
-  open({ chosen, options }: ViewState): void {
+  /** The state contains no record but a sample: the user must drop any other again. */
+  open({ chosen, options, sample }: ViewState): void {
     this.chosen.value = chosen;
     for (const [test, own] of this.options) for (const option of own) option.open(options[`${test}.${option.key}`] ?? option.kept());
     this.record = this.recognised = undefined;
-    this.nothing("The record was a file: drop it again.");
+    if (sample && SAMPLES[sample]) this.trySample(sample);
+    else this.nothing("The record was a file: drop it again.");
   }
 
   private get test(): Test | undefined {
@@ -95,7 +105,25 @@ export class Evaluate {
 
   private take([file]: Given[]): void {
     if (!file) return;
-    this.record = { name: file.path.split("/").at(-1) ?? file.path, bytes: file.bytes };
+    this.record = { name: file.path.split("/").at(-1) ?? file.path, bytes: file.bytes, sample: undefined };
+    this.recognised = undefined;
+    void this.evaluate();
+  }
+
+  /** The user chose a kind of test: that of the record, or the sample to be shown. */
+  private choose(kind: Test | ""): void {
+    if (kind === "" || !this.record?.sample) void this.evaluate();
+    else if (SAMPLES[kind]) this.trySample(kind);
+    else {
+      this.record = undefined;
+      this.nothing(WITHOUT);
+    }
+  }
+
+  private trySample(test: Test): void {
+    const { name, text } = SAMPLES[test]!;
+    if (this.chosen.value !== "") this.chosen.value = test;
+    this.record = { name, bytes: new TextEncoder().encode(text), sample: test };
     this.recognised = undefined;
     void this.evaluate();
   }
@@ -103,6 +131,7 @@ export class Evaluate {
   private nothing(why: string): void {
     this.latest += 1;
     this.status.textContent = why;
+    this.samples.shown = this.record?.sample !== undefined;
     this.results.clear();
     this.into.root.hidden = true;
     this.describe();
@@ -138,7 +167,9 @@ export class Evaluate {
       const on = this.test && TESTS[this.test].machine ? ` on ${desk.machine.name}, the machine shown` : "";
       this.status.textContent = `${record.name} could not be evaluated${on}.`;
       this.describe();
-      desk.fail(error);
+      // A sample that does not suit the machine is no error of the user.
+      if (record.sample) this.status.textContent += ` ${message(error)}`;
+      else desk.fail(error);
     }
   }
 
@@ -146,7 +177,7 @@ export class Evaluate {
   private describe(): void {
     const { test } = this;
     for (const [own, root] of this.groups) root.hidden = own !== test;
-    this.overview.hidden = test !== undefined;
+    this.overview.hidden = this.record !== undefined && !this.record.sample;
     this.command.root.hidden = test === undefined;
     if (!test) return;
     const name = word(this.desk.machine.name);

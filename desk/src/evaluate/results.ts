@@ -2,19 +2,21 @@
 
 import { el, section, table, type Cell } from "../core/dom";
 import { fixed, significant } from "../core/number";
-import { showPlots, showTables } from "../core/shown";
+import { clearest } from "../core/sentence";
+import { Sentence, showPlots, showTables } from "../core/shown";
 import type { Map, Shown } from "../core/shown-types";
-import { onTheme, scale } from "../core/theme";
+import { inkOn, onTheme, scale } from "../core/theme";
 
 export class Results {
   readonly root: HTMLElement;
+  private readonly sentence = new Sentence();
   private readonly plots = el("div");
   private readonly figures = el("div", { class: "figures" });
   private map: Map | null = null;
   private readonly mapped = el("div", { class: "mapped" });
 
   constructor() {
-    this.root = el("div", { class: "columns" }, section("Plots", this.plots, this.mapped), section("Figures", this.figures));
+    this.root = el("div", {}, this.sentence.root, el("div", { class: "columns" }, section("Plots", this.plots, this.mapped), section("Figures", this.figures)));
     onTheme(this, (results) => results.paint());
     this.clear();
   }
@@ -25,6 +27,7 @@ export class Results {
 
   show(shown: Shown): void {
     this.root.hidden = false;
+    this.sentence.set(clearest(shown));
     showTables(this.figures, shown);
     showPlots(this.plots, shown.plots);
     this.map = shown.map;
@@ -44,7 +47,7 @@ export class Results {
     for (const cell of of.querySelectorAll<HTMLTableCellElement>("td[data-value]")) {
       const colour = scale(high > low ? (Number(cell.dataset.value) - low) / (high - low) : 0);
       cell.style.background = `rgb(${colour.map((part) => Math.round(255 * part)).join(" ")})`;
-      cell.style.color = colour[1] > 0.5 ? "#000" : "#fff";
+      cell.style.color = inkOn(colour);
     }
     this.mapped.append(of, el("small", {}, caption));
   }

@@ -1,5 +1,9 @@
 // The tests: their descriptions, the contents of their records, and the additional inputs they need.
 
+import ring from "../../../records/ring.csv";
+import spindle from "../../../records/spindle.csv";
+import stepDiagonal from "../../../records/step-diagonal.csv";
+import tracer from "../../../records/tracer.csv";
 import { choice, textField, numberField, optionalField, tick, typed } from "../core/dom";
 import { word } from "../core/shell";
 import type { Test } from "./documents";
@@ -80,6 +84,14 @@ function number(key: string, label: string, unit: string, first: number, again: 
   const given = () => input.valueAsNumber;
   return { key, root, kept: given, open: (value) => void (input.value = String(Number(value))), given, words: () => [flag(key), String(given())] };
 }
+
+/** Sample records that need no other machine than the one shown at the start. */
+export const SAMPLES: Partial<Record<Test, { name: string; text: string }>> = {
+  "step-diagonal": { name: "step-diagonal.csv", text: stepDiagonal },
+  points: { name: "tracer.csv", text: tracer },
+  probing: { name: "ring.csv", text: ring },
+  thermal: { name: "spindle.csv", text: spindle },
+};
 
 export const TESTS: Record<Test, Described> = {
   "r-test": {

@@ -4,6 +4,7 @@ import type { Desk } from "../core/desk";
 import { button, choice, commandLine, el, section } from "../core/dom";
 import { onDrop, save } from "../core/files";
 import { fixed, significant } from "../core/number";
+import { Samples } from "../core/sample";
 import { word } from "../core/shell";
 import { showTrace } from "./curves";
 import type { Found, RecordRead, Trace } from "./documents";
@@ -40,6 +41,7 @@ export class Friction {
   private readonly drives;
   private readonly find: HTMLButtonElement;
   private readonly plot = el("div");
+  private readonly samples = new Samples([]);
   private record: Record | undefined;
   private found: Found | undefined;
   private busy = false;
@@ -66,7 +68,7 @@ export class Friction {
       simulate: () => void this.run(() => this.close()),
     });
     const row = el("div", { class: "row" }, this.drives.root, this.find, this.bar, this.status);
-    root.append(section("Record", this.source.root, this.plot, row, this.command.root), this.results.root, this.results.closed);
+    root.append(section("Record", this.source.root, this.samples.root, this.plot, row, this.command.root), this.results.root, this.results.closed);
     onDrop(root, (files) => this.source.take(files), desk.fail);
     desk.machine.subscribe(() => this.describe());
     desk.runs.onRestart(() => this.forget("The record was lost with the computation: drop or simulate it again."));
@@ -103,6 +105,7 @@ export class Friction {
 
   private forget(why: string): void {
     this.record = this.found = undefined;
+    this.samples.shown = false;
     this.status.textContent = why;
     this.plot.replaceChildren();
     this.results.clear();
@@ -136,6 +139,7 @@ export class Friction {
 
   private take(record: Record, read: RecordRead, trace: Trace): void {
     this.record = record;
+    this.samples.shown = record.simulated;
     this.found = undefined;
     this.results.clear();
     showTrace(this.plot, record.simulated ? "the simulated record" : record.name, pair(record.axes), trace);

@@ -2,7 +2,8 @@
 
 import { button, el, section } from "../core/dom";
 import { save } from "../core/files";
-import { showPlots, showPolars, showTables } from "../core/shown";
+import { significant } from "../core/number";
+import { Sentence, showPlots, showPolars, showTables } from "../core/shown";
 import type { Shown } from "../core/shown-types";
 import type { Found } from "./documents";
 
@@ -15,6 +16,7 @@ export interface ResultEvents {
 export class Results {
   readonly root: HTMLElement;
   readonly closed: HTMLElement;
+  private readonly sentence = new Sentence();
   private readonly figures = el("div", { class: "figures" });
   private readonly spikes = el("div", { class: "grid" });
   private readonly circles = el("div");
@@ -33,7 +35,7 @@ export class Results {
     this.actions = [merge, simulate];
     const found = section("Figures", this.figures, el("h3", {}, "Settings for machine.toml"), settings, el("div", { class: "row" }, copy, keep, merge, simulate));
     const curves = section("Spikes at the reversals", this.spikes, el("h3", {}, "Radial deviation by friction, positive outward"), this.circles);
-    this.root = el("div", { class: "columns" }, curves, found);
+    this.root = el("div", {}, this.sentence.root, el("div", { class: "columns" }, curves, found));
     const again = el("div", {}, this.closedSpikes, el("h3", {}, "Radial deviation by friction, positive outward"), this.closedCircles);
     this.closed = section("The circles again, simulated with the figures found", el("div", { class: "columns" }, again, this.closedFigures));
     this.clear();
@@ -47,9 +49,10 @@ export class Results {
     this.root.hidden = this.closed.hidden = true;
   }
 
-  show({ shown, settings }: Found): void {
+  show({ shown, largest, settings }: Found): void {
     this.closed.hidden = true;
     this.root.hidden = false;
+    this.sentence.set(`The largest spike falls ${largest.map(([axis, [before, after]]) => `from ${significant(before, 3)} to ${significant(after, 3)} µm in ${axis}`).join(", ")}.`);
     showTables(this.figures, shown);
     this.settings.textContent = settings;
     showPlots(this.spikes, shown.plots);

@@ -1,11 +1,16 @@
 // Balls that stay on the machine: planning a re-probing, checking its log against the history, updating the machine.
 
+import begin from "../../../records/probing/begin.log";
+import task from "../../../records/probing/keep.toml";
+import look from "../../../records/probing/look.log";
+import machine from "../../../records/probing/mill/machine.toml";
 import { Probing, type ViewState as Task, type Log } from "../calibrate/probing";
 import type { Desk } from "../core/desk";
 import { button, el, section, textField, tick, warnings } from "../core/dom";
 import { save } from "../core/files";
+import { clearest } from "../core/sentence";
 import { word } from "../core/shell";
-import { showTables, tabled } from "../core/shown";
+import { Sentence, showTables, tabled } from "../core/shown";
 import type { Evaluated } from "./documents";
 import { SAMPLE } from "./sample";
 
@@ -23,7 +28,11 @@ const WORDS = {
   hint: "or drop them: keep.toml; machine.toml with its tables, unless it is the machine shown; thermal.toml; keep/history.jsonl; the log of a re-probing",
   accept: ".toml,.csv,.log,.txt,.jsonl",
   what: "Updates of the re-probing",
-  without: "Run the program between parts, with the compensation on; then open the control's log here.",
+  without: "Run the program between parts, with the compensation on; then open the control's log here, or try a sample: the first log of another mill, with its task.",
+  tried: [
+    ["Try a sample", { "keep.toml": task, "machine.toml": machine, "begin.log": begin }],
+    ["Try a later log of it", { "look.log": look }],
+  ],
 } as const;
 
 export class Keep extends Probing {
@@ -108,10 +117,13 @@ export class Keep extends Probing {
     const figures = el("div", { class: "figures" });
     showTables(figures, shown);
     figures.prepend(warnings(refusal ? [refusal] : []));
+    const sentence = new Sentence();
+    sentence.set(clearest(shown));
     // With updates, applying them below also enters them in the history.
     const enter = becomes || refusal ? [] : [button("Enter it in the history", () => this.enter(), { class: "primary" })];
     const saves = written.map(([name, content]) => button(`Save ${name}`, () => save(name.replaceAll("../", "").replaceAll("/", "-"), content)));
     this.results.replaceChildren(
+      sentence.root,
       section("Re-probing", figures),
       section("History", el("div", { class: "figures" }, tabled(entries)), el("div", { class: "row" }, ...enter, ...saves)),
     );

@@ -2,11 +2,13 @@
 
 import type { Desk } from "../core/desk";
 import { el, section } from "../core/dom";
-import { showPlots, tabled } from "../core/shown";
+import { clearest } from "../core/sentence";
+import { Sentence, showPlots, tabled } from "../core/shown";
 import type { Plot, Shown } from "../core/shown-types";
 import { themed } from "./picture";
 
 export class Results {
+  readonly sentence = new Sentence();
   readonly tables = el("div", { class: "tables" });
   readonly root = el("div");
   private readonly orbit = el("div", { class: "drawn" });
@@ -14,7 +16,9 @@ export class Results {
   constructor(private readonly desk: Desk) {}
 
   /** Tables, and a section for the plots of each heading; a trace has no plots. */
-  async show({ tables, plots }: Shown): Promise<void> {
+  async show(shown: Shown): Promise<void> {
+    const { tables, plots } = shown;
+    this.sentence.set(clearest(shown));
     this.tables.replaceChildren(...tables.map(tabled));
     this.root.replaceChildren();
     this.root.hidden = plots.length === 0;
@@ -31,6 +35,7 @@ export class Results {
 
   clear(): void {
     this.root.hidden = true;
+    this.sentence.set("");
     this.tables.replaceChildren();
   }
 }

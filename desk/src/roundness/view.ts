@@ -4,6 +4,7 @@ import "./style.css";
 import type { Desk, View } from "../core/desk";
 import { button, commandLine, debounce, el, section } from "../core/dom";
 import { onDrop, picker, save, text, type Given } from "../core/files";
+import { Samples } from "../core/sample";
 import { word } from "../core/shell";
 import { Angles } from "./angles";
 import type { CircleName, Noted, Probes, Request } from "./documents";
@@ -36,6 +37,7 @@ class Roundnesses {
   private readonly results: Results;
   private readonly angles: Angles;
   private readonly infeed: Infeed;
+  private readonly samples = new Samples([["Simulated readings", () => void this.begin()]]);
   private readonly command = commandLine("The same on the command line:");
   private readonly about = el("p", { role: "status", class: "about" });
   private readonly notes = el("ul", { class: "notes", "aria-label": "Warnings and notes" });
@@ -60,13 +62,12 @@ class Roundnesses {
       "div",
       { class: "row" },
       picker("Open readings or a trace", { accept: ".csv,.txt" }, open, desk.fail),
-      button("Simulated readings", () => void this.begin()),
       button("Save these readings", () => save(this.source.name, this.shownText, "text/csv")),
       el("span", { class: "said" }, "or drop a file here: h1_um,h2_um,h3_um of three probes, with or without theta_deg, or x_mm,y_mm of a trace"),
     );
     const found = el("div", { class: "found" }, this.about, this.notes, this.polar.ticks, this.results.tables);
     root.append(
-      section("Readings", bar, el("div", { class: "desk" }, this.settings.root, this.polar.root, found), this.command.root),
+      section("Readings", bar, this.samples.root, this.results.sentence.root, el("div", { class: "desk" }, this.settings.root, this.polar.root, found), this.command.root),
       this.results.root,
       this.angles.root,
       this.infeed.root,
@@ -118,6 +119,7 @@ class Roundnesses {
     this.stale = false;
     const { name, text = this.sample.text } = this.source;
     this.shownText = text;
+    this.samples.shown = this.source.text === undefined;
     // The header determines which of the two it is.
     const trace = /\bx_mm\b/.test(text.slice(0, 4096));
     this.command.set(trace ? `trueaxis circle ${word(name)} --json` : this.settings.command(name));

@@ -15,13 +15,14 @@ export interface BarHost {
 
 export class Bar {
   readonly root: HTMLElement;
+  private readonly paced;
   private readonly buttons: Record<"run" | "pause" | "step" | "restart" | "end", HTMLButtonElement>;
   private readonly meter: HTMLProgressElement;
   private readonly said: HTMLElement;
   private readonly stale: HTMLElement;
 
   constructor(host: BarHost) {
-    const pace = choice<Pace>("Pace", [["fast", "unpaced"], ["real", "real time"], ["slow", "a tenth of it"]], "fast", (value) => host.pace(value));
+    const pace = (this.paced = choice<Pace>("Pace", [["fast", "unpaced"], ["real", "real time"], ["slow", "a tenth of it"]], "fast", (value) => host.pace(value)));
     const cycles = numberField({ label: "Cycles", value: 1000, min: 1, max: 1e6, step: 1 }, () => {});
     this.buttons = {
       run: button("Run", () => host.run(pace.value), { class: "primary" }),
@@ -58,6 +59,14 @@ export class Bar {
     const state = progress.done ? "done" : going ? "running" : progress.cycle > 0 ? "paused" : "ready";
     this.said.textContent = `${state}: ${whole(progress.cycle)} of ${whole(progress.cycles)} cycles, ${fixed(progress.time_s, 4)} of ${length} s${speed}`;
     this.root.dataset.state = state;
+  }
+
+  get pace(): Pace {
+    return this.paced.value;
+  }
+
+  set pace(pace: Pace) {
+    this.paced.value = pace;
   }
 
   /** Shows the changes that Restart would apply. */

@@ -140,6 +140,17 @@ export class Controls {
     }
   }
 
+  /** Sets one setting, as its control does. */
+  change(key: string, value: number): void {
+    this.put({ [key]: value });
+    for (const control of this.controls) control.show();
+  }
+
+  /** The temperature at which the machine was calibrated. */
+  get reference_temperature_c(): number {
+    return this.known.reference_temperature_c;
+  }
+
   private put(values: Record<string, number | undefined>): void {
     const settings = { ...this.setup.settings };
     for (const [key, value] of Object.entries(values)) {

@@ -1,7 +1,7 @@
 // Figures of a run, and of the run kept for comparison.
 
 import { el, table, type Cell } from "../core/dom";
-import { cell } from "../core/number";
+import { cell, significant } from "../core/number";
 import { KINDS, type Figures, type Kind, type Progress, type Size } from "./documents";
 
 /** A run's figures and its progress. */
@@ -16,15 +16,29 @@ const ALL = Object.keys(KINDS) as Kind[];
 export function results(run: Result, kept: Result | undefined): HTMLElement {
   const { figures } = run;
   const root = el("div", { class: "results" });
-  root.append(sizes("Contour error of the true tip while cutting / µm", figures.contour_error_um, kept?.figures.contour_error_um));
-  if (figures.orientation_error_urad) root.append(sizes("Angle of the tool from its direction while cutting / µrad", figures.orientation_error_urad, kept?.figures.orientation_error_urad));
+  const [own, other] = [known(run), kept && known(kept)];
+  root.append(sizes("Contour error of the true tip while cutting / µm", own(figures.contour_error_um), kept && other?.(kept.figures.contour_error_um)));
+  if (figures.orientation_error_urad) root.append(sizes("Angle of the tool from its direction while cutting / µrad", own(figures.orientation_error_urad), kept && other?.(kept.figures.orientation_error_urad ?? {})));
   root.append(digests(run, kept), counts(run, kept));
   if (figures.notes.length > 0) root.append(el("ul", { "aria-label": "Notes on the run" }, ...figures.notes.map((note) => el("li", {}, note))));
   if (figures.faults.length > 0) root.append(faults(figures));
   return root;
 }
 
+/** Largest contour errors in a sentence; empty before the first cut. */
+export function sentence(run: Result): string {
+  const sizes = known(run)(run.figures.contour_error_um);
+  const parts = ALL.flatMap((kind) => (sizes[kind] && Number.isFinite(sizes[kind].max) ? [`${KINDS[kind].text} ${significant(sizes[kind].max, 3)} µm`] : []));
+  return parts.length === 0 ? "" : `Largest contour error while cutting${run.progress.done ? "" : " so far"}: ${parts.join(", ")}.`;
+}
+
 type Sizes = Partial<Record<Kind, Size>>;
+
+/** Figures of a run; those of a run that has not cut yet are not known. */
+function known({ progress }: Result): (sizes: Sizes) => Sizes {
+  const unknown = (size: Size) => !progress.done && size.max === 0;
+  return (sizes) => Object.fromEntries(Object.entries(sizes).map(([kind, size]) => [kind, unknown(size) ? { max: NaN, rms: NaN } : size]));
+}
 
 function sizes(caption: string, own: Sizes, kept: Sizes | undefined): HTMLElement {
   const kinds = ALL.filter((kind) => own[kind] ?? kept?.[kind]);
@@ -41,7 +55,7 @@ function digests(run: Result, kept: Result | undefined): HTMLElement {
   const names = kept ? ["A", "B"] : ["digest"];
   const heads = all.map(({ progress }, i) => `${names[i]}${progress.done ? "" : " so far"}`);
   const rows = kinds.map((kind) => {
-    const cells = all.map(({ figures }) => el("td", {}, el("code", {}, figures.digest[kind] ?? "–")));
+    const cells = all.map(({ figures, progress }) => el("td", {}, el("code", {}, (progress.cycle > 0 && figures.digest[kind]) || "–")));
     return el("tr", {}, el("th", { scope: "row" }, KINDS[kind].text), ...cells);
   });
   return el(

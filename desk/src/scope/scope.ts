@@ -24,10 +24,15 @@ export class Scope {
   private files: Files;
   /** The last request to open; those before it are stale. */
   private opening = 0;
+  /**
+   * Whether the opening run shows itself: it goes on while the view is visible, and changed settings restart it at once. It ends
+   * with the user's first command to a run.
+   */
+  private demonstrates = false;
   private queue: Promise<void> = Promise.resolve();
 
   constructor(
-    root: HTMLElement,
+    private readonly root: HTMLElement,
     private readonly desk: Desk,
   ) {
     this.files = desk.machine.files;
@@ -36,15 +41,19 @@ export class Scope {
     this.controls = new Controls(desk.bench, FIRST, () => this.changed("settings"));
     this.share = new Share(desk, () => this.ready().then(() => this.runner.scenario()));
     const guard = <T>(of: Promise<T>) => void of.catch(desk.fail);
+    const own = <Given extends unknown[]>(command: (...given: Given) => void) => (...given: Given) => {
+      this.demonstrates = false;
+      command(...given);
+    };
     const when = (at: number | undefined) => (at === undefined ? "now" : `${at}s`);
     const taken = (files: Given[]) => this.taken(files);
     this.screen = new Screen(
       root,
       {
-        run: (pace) => guard(this.run(pace)),
-        pause: () => guard(this.runner.pause().then(() => this.refresh())),
-        step: (cycles) => guard(this.ready().then(() => this.runner.step(cycles))),
-        restart: () => guard(this.reopen()),
+        run: own((pace) => guard(this.run(pace))),
+        pause: own(() => guard(this.runner.pause().then(() => this.refresh()))),
+        step: own((cycles) => guard(this.ready().then(() => this.runner.step(cycles)))),
+        restart: own(() => guard(this.reopen())),
         pace: (pace) => (this.runner.pace = pace),
         act: (what, after, at) => guard(this.act(`${what}@${when(at)}${after}`)),
         exchange: (source, at) => guard(this.exchange(source, when(at))),
@@ -52,6 +61,9 @@ export class Scope {
         program: (program) => this.take({ ...this.controls.setup, program }),
         taken,
         failed: desk.fail,
+        warm: () => this.controls.change("temperature_c", this.controls.reference_temperature_c + 6),
+        unplug: () => guard(this.act("dropout:X@now+500")),
+        halve: () => guard(this.exchange("half", "now")),
         settings: (setup) => this.take(structuredClone(setup)),
       },
       { controls: this.controls.root, opener: picker("Folder…", { folder: true }, taken, desk.fail), share: this.share.root },
@@ -66,11 +78,37 @@ export class Scope {
     desk.onProgram(async ({ name, text }) => this.take({ ...this.controls.setup, program: { name, text } }));
     desk.machine.subscribe(() => {
       if (desk.machine.files === this.files) return;
-      if (this.snapshot?.progress.cycle) this.screen.bar.changed("The machine has changed: Restart runs it, Exchange takes its tables.");
+      if (this.demonstrates) void this.demonstrate().catch(desk.fail);
+      else if (this.snapshot?.progress.cycle) this.screen.bar.changed("The machine has changed: Restart runs it, Exchange takes its tables.");
       else void this.reopen().catch(desk.fail);
     });
     desk.runs.onRestart(() => this.screen.bar.changed("The run is lost: Run starts it again."));
-    await this.reopen().catch(desk.fail);
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches) return this.reopen().catch(desk.fail);
+    this.demonstrates = true;
+    this.screen.bar.pace = "real";
+    await this.demonstrate().catch(desk.fail);
+  }
+
+  /** Opens the run and lets it go on while it is visible. */
+  private async demonstrate(): Promise<void> {
+    await this.reopen();
+    await this.goOn();
+  }
+
+  private async goOn(): Promise<void> {
+    await this.ready();
+    if (!this.demonstrates || this.root.hidden) return;
+    this.runner.pace = this.screen.bar.pace;
+    this.runner.start();
+    this.refresh();
+  }
+
+  /** The view comes to the front, or leaves it. */
+  visible(visible: boolean): void {
+    if (visible) this.refresh(true);
+    if (!this.demonstrates || !this.runner.isOpen) return;
+    const turned = visible ? this.goOn() : this.runner.pause();
+    void turned.catch(this.desk.fail);
   }
 
   state(): Setup & { machine?: Files } {
@@ -81,6 +119,7 @@ export class Scope {
   /** Shows a kept state. */
   async show(state: unknown): Promise<void> {
     const { machine, ...setup } = state as Partial<Setup> & { machine?: Files };
+    this.demonstrates = false;
     this.controls.set(fromState(setup));
     await this.reopen(machine ?? this.desk.machine.files);
   }
@@ -92,6 +131,7 @@ export class Scope {
 
   /** Sets another setup: opened at once, to show its program and errors. */
   private take(setup: Setup): void {
+    this.demonstrates = false;
     const before = this.controls.setup;
     this.controls.set(setup);
     this.reopen().catch((error: unknown) => {
@@ -102,7 +142,8 @@ export class Scope {
   }
 
   private changed(what: string): void {
-    if (this.snapshot?.progress.cycle) this.screen.bar.changed(`The ${what} have changed: Restart runs them.`);
+    if (this.demonstrates) void this.demonstrate().catch(this.desk.fail);
+    else if (this.snapshot?.progress.cycle) this.screen.bar.changed(`The ${what} have changed: Restart runs them.`);
     else void this.reopen().catch(this.desk.fail);
   }
 
@@ -144,6 +185,8 @@ export class Scope {
   private updated(snapshot: Snapshot): void {
     this.snapshot = snapshot;
     this.refresh();
+    // For the test of the time from loading to the first motion.
+    if (snapshot.progress.cycle > 0) document.documentElement.dataset.motionMs ??= String(Math.round(performance.now()));
   }
 
   private async act(text: string, files?: Files): Promise<void> {

@@ -8,7 +8,9 @@ import { Curves, type Mark } from "./curves";
 import type { Description } from "./documents";
 import { Place } from "./place";
 import { Programs, type ProgramsHost } from "./programs";
-import { results } from "./results";
+import { Sentence } from "../core/shown";
+import { Intro, type IntroHost } from "./intro";
+import { results, sentence } from "./results";
 import type { Snapshot } from "./runner";
 import type { Setup } from "./setup";
 import { time } from "./times";
@@ -17,7 +19,7 @@ import { time } from "./times";
 const PLACE_MS = 400;
 
 /** Requests from the screen. */
-export interface ScreenHost extends ActsHost, BarHost, ProgramsHost {
+export interface ScreenHost extends ActsHost, BarHost, ProgramsHost, IntroHost {
   settings(setup: Setup): void;
 }
 
@@ -25,9 +27,11 @@ export class Screen {
   readonly bar: Bar;
   readonly acts: Acts;
   readonly programs: Programs;
+  readonly intro: Intro;
   private readonly curves: Curves;
   private readonly place = new Place();
   private readonly comparison: Comparison;
+  private readonly sentence = new Sentence();
   private readonly figures = el("div", { class: "figures" });
   private cursor: number | null = null;
   private placed = 0;
@@ -40,6 +44,7 @@ export class Screen {
     parts: { controls: HTMLElement; opener: HTMLElement; share: HTMLElement },
   ) {
     this.bar = new Bar(host);
+    this.intro = new Intro(host);
     this.acts = new Acts(host, parts.opener);
     this.programs = new Programs(host, (line) => this.toLine(line));
     this.curves = new Curves((row) => this.moved(row));
@@ -51,10 +56,11 @@ export class Screen {
     root.append(
       el(
         "div",
-        { class: "three" },
-        el("div", {}, this.programs.root, section("Settings", parts.controls)),
-        el("div", {}, section("Run", this.bar.root, this.curves.root), section("Acts in motion", this.acts.root), this.comparison.root),
-        el("div", {}, section("Place", this.place.root), section("Figures", this.figures), parts.share),
+        { class: "parts" },
+        el("div", { class: "run" }, section("Run", this.bar.root, this.intro.root, this.sentence.root, this.curves.root)),
+        el("div", { class: "side" }, section("Place", this.place.root), section("Acts in motion", this.acts.root)),
+        el("div", { class: "setup-of" }, this.programs.root, section("Settings", parts.controls)),
+        el("div", { class: "more" }, section("Figures", this.figures), this.comparison.root, parts.share),
       ),
     );
   }
@@ -93,7 +99,9 @@ export class Screen {
   }
 
   private results(): void {
-    if (this.shown) this.figures.replaceChildren(results(this.shown.result, this.comparison.kept?.result));
+    if (!this.shown) return;
+    this.sentence.set(sentence(this.shown.result));
+    this.figures.replaceChildren(results(this.shown.result, this.comparison.kept?.result));
   }
 
   /** Sets the row of the plots' cursor, or none. */

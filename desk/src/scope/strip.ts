@@ -22,6 +22,8 @@ export class Strip {
   private time: ArrayLike<number> = [];
   private lanes: Lane[] = [];
   private marks: number[] = [];
+  /** Whether the colours have changed while the strip was hidden. */
+  private stale = false;
 
   constructor(
     host: HTMLElement,
@@ -35,14 +37,17 @@ export class Strip {
     this.root = el("figure", { class: "strip" }, el("figcaption", { id }, title), this.area, table);
     host.append(this.root);
     new ResizeObserver(() => this.build()).observe(this.area);
-    onTheme(this, (strip) => strip.build(true));
+    onTheme(this, (strip) => {
+      strip.stale = true;
+      strip.build(true);
+    });
   }
 
   set(time: ArrayLike<number>, lanes: Lane[], marks: number[]): void {
     this.marks = marks;
     const same = lanes.length === this.lanes.length && lanes.every((lane, i) => lane.name === this.lanes[i]?.name);
     [this.time, this.lanes] = [time, lanes];
-    if (same && this.plot) this.plot.setData(this.data());
+    if (same && this.plot && !this.stale) this.plot.setData(this.data());
     else this.build(true);
     if (this.root.querySelector("details")?.open) this.fill();
     const raised = this.stretches().map(([name, from, to]) => `${name} ${from} to ${to} s`);
@@ -57,11 +62,12 @@ export class Strip {
     const width = this.area.clientWidth;
     if (width === 0 || this.lanes.length === 0) return;
     const height = this.lanes.length * LANE + AXIS + 14;
-    if (this.plot && !rebuild) {
+    if (this.plot && !rebuild && !this.stale) {
       if (Math.abs(this.plot.width - width) > 1) this.plot.setSize({ width, height });
       return;
     }
     this.plot?.destroy();
+    this.stale = false;
     const count = this.lanes.length;
     const style = { stroke: colour("ink"), font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" };
     this.plot = new uPlot(

@@ -12,7 +12,8 @@ export const view: View = {
     scope = new Scope(root, desk);
     await scope.start();
   },
-  shown: () => scope?.refresh(true),
+  shown: () => scope?.visible(true),
+  hidden: () => scope?.visible(false),
   state: () => scope?.state() ?? {},
   open: async (state) => scope?.show(state),
 };

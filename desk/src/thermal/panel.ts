@@ -1,19 +1,23 @@
 // A recorded warm-up: sensor lags, growth curves, residuals of held-out cycles, the controller's file.
 
-import { type Desk } from "../core/desk";
+import { message, type Desk } from "../core/desk";
 import { button, commandLine, debounce, el, textField, section, typed } from "../core/dom";
 import { onDrop, picker, save, text, type Given } from "../core/files";
+import { FIRST_MACHINE, Samples } from "../core/sample";
 import { word } from "../core/shell";
 import type { Fitted } from "./documents";
 import { Results } from "./results";
+import { warmUp } from "./sample";
 
 export interface ViewState {
   holdOut: string;
   without: string;
+  /** Whether the record is the sample, which a file need not contain. */
+  sample?: boolean;
 }
 
 export class Growth {
-  private record: { name: string; text: string } | undefined;
+  private record: { name: string; text: string; sample: boolean } | undefined;
   private fitted: Fitted | undefined;
   private latest = 0;
   private readonly holdOut: HTMLInputElement;
@@ -22,6 +26,7 @@ export class Growth {
   private readonly texts: HTMLButtonElement;
   private readonly file: HTMLButtonElement;
   private readonly command = commandLine("The same on the command line:");
+  private readonly samples = new Samples([["Try a sample", () => this.trySample()]]);
   private readonly results = new Results();
 
   constructor(
@@ -40,6 +45,7 @@ export class Growth {
       section(
         "Record",
         el("div", { class: "row" }, picker("Open a record", { accept: ".csv,.txt" }, open, desk.fail), holdOut.root, without.root),
+        this.samples.root,
         this.status,
         el("div", { class: "row" }, this.texts, this.file),
         this.command.root,
@@ -49,17 +55,24 @@ export class Growth {
     onDrop(root, open, desk.fail);
     desk.machine.subscribe(again);
     this.describe();
+    if (desk.machine.name === FIRST_MACHINE) this.trySample();
   }
 
   get state(): ViewState {
-    return { holdOut: this.holdOut.value, without: this.without.value };
+    return { holdOut: this.holdOut.value, without: this.without.value, ...(this.record?.sample ? { sample: true } : {}) };
   }
 
-  /** The state contains no record: the user must drop it again. */
-  open({ holdOut, without }: ViewState): void {
+  /** The state contains no record but the sample: the user must drop any other again. */
+  open({ holdOut, without, sample }: ViewState): void {
     [this.holdOut.value, this.without.value] = [holdOut, without];
     this.record = undefined;
-    this.nothing("The record was a file: drop it again.");
+    if (sample) this.trySample();
+    else this.nothing("The record was a file: drop it again.");
+  }
+
+  private trySample(): void {
+    this.record = { name: "warm-up.csv", text: warmUp(), sample: true };
+    void this.fit();
   }
 
   private take([file]: Given[]): void {
@@ -70,7 +83,7 @@ export class Growth {
       this.desk.fail(new Error(`${name}: found bytes that are not UTF-8, needed a text`));
       return;
     }
-    this.record = { name, text: content };
+    this.record = { name, text: content, sample: false };
     void this.fit();
   }
 
@@ -79,6 +92,7 @@ export class Growth {
     this.fitted = undefined;
     this.texts.disabled = this.file.disabled = true;
     this.status.textContent = why;
+    this.samples.shown = this.record?.sample ?? false;
     this.results.clear();
     this.describe();
   }
@@ -105,7 +119,9 @@ export class Growth {
     } catch (error) {
       if (turn !== this.latest) return;
       this.status.textContent = `${record.name} could not be evaluated.`;
-      desk.fail(error);
+      // A sample that does not suit the machine is no error of the user.
+      if (record.sample) this.status.textContent += ` ${message(error)}`;
+      else desk.fail(error);
     }
   }
 

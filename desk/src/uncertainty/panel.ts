@@ -4,8 +4,9 @@ import { type Desk } from "../core/desk";
 import { commandLine, debounce, el, textField, numberField, section, typed } from "../core/dom";
 import { significant } from "../core/number";
 import { Plot } from "../core/plot";
+import { largestShare } from "../core/sentence";
 import { word } from "../core/shell";
-import { showTables } from "../core/shown";
+import { Sentence, showTables } from "../core/shown";
 import type { Known, Request } from "./documents";
 
 export interface ViewState {
@@ -20,6 +21,7 @@ export class Position {
   private readonly at: HTMLInputElement;
   private readonly status = el("p", { role: "status" });
   private readonly command = commandLine("The same on the command line:");
+  private readonly sentence = new Sentence();
   private readonly tables = el("div", { class: "figures" });
   private readonly plots = el("div");
   private readonly results: HTMLElement;
@@ -43,7 +45,7 @@ export class Position {
     const at = textField("Also at / mm, °", "X, Y, Z", soon);
     this.at = at.input;
     const fields = Object.values(this.fields).map(({ root }) => root);
-    this.results = el("div", { class: "columns" }, section("Largest uncertainty", this.plots), section("Figures", this.tables));
+    this.results = el("div", {}, this.sentence.root, el("div", { class: "columns" }, section("Largest uncertainty", this.plots), section("Figures", this.tables)));
     root.append(
       section(
         "Uncertainty of the corrected position",
@@ -98,6 +100,7 @@ export class Position {
 
   private show(known: Known): void {
     this.results.hidden = false;
+    this.sentence.set(`The tip is known to ${significant(known.worst[1], 3)} µm at the worst point; ${largestShare(known.shown, "the squared uncertainty", "measure it better first")}`);
     this.status.textContent = [`${known.shown.summary.join(", ")}.`, ...known.notes].join(" ");
     this.draw(known);
     showTables(this.tables, known.shown);

@@ -15,7 +15,7 @@ mod thermal;
 pub mod trig;
 pub(crate) mod volumetric;
 
-pub(crate) use cells::{Cells, Source, Tables};
+pub(crate) use cells::{Cells, InverseEnd, Source, Tables};
 pub(crate) use grid::{CycleGrids, Grids, NearGrids};
 pub use nine::NineTerms;
 pub use query::Query;
@@ -231,12 +231,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// used as read.
     #[inline(always)]
     pub fn correction(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> [R; N] {
-        self.correction_in(query, self.passes, clamped)
-    }
-
-    /// [`Compensation::correction`] with another number of passes.
-    #[inline(always)]
-    pub(crate) fn correction_in(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
+        let passes = self.passes;
         match (self.model(), self.grids()) {
             (Model::Nine(nine), None) => nine.correction(query, passes, clamped),
             (Model::Nine(_), Some(_)) => self.correction_with_grids(query, passes, clamped),

@@ -368,6 +368,44 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         errors
     }
 
+    /// [`NineTerms::errors`] at one position of X, Y, Z, for tables that can use cells.
+    #[inline(never)]
+    pub(crate) fn errors_at(
+        &self,
+        [x, y, z]: &[P; 3],
+        directions: &[Direction; N],
+        thermal: &[ThermalLine<R>; N],
+    ) -> ([R; 3], u8) {
+        let (
+            [of_x, of_y, of_z, ..],
+            [origin_x, origin_y, origin_z, ..],
+            [datum_x, datum_y, datum_z, ..],
+            [growth_x, growth_y, growth_z, ..],
+        ) = (&self.tables[..], &self.origins[..], &self.datum[..], &thermal[..])
+        else {
+            return ([R::ZERO; 3], 0);
+        };
+        let mut at = [R::ZERO; N];
+        for (at, coordinate) in at.iter_mut().zip([of_x.coordinate(*x), of_y.coordinate(*y), of_z.coordinate(*z)]) {
+            *at = coordinate;
+        }
+        let mut clamped = 0;
+        let sum = match self.kind {
+            Kind::Plain => self.sum_of::<PLAIN>(&at, directions, &mut clamped),
+            Kind::Cubic => self.sum_of::<CUBIC>(&at, directions, &mut clamped),
+            _ => self.sum_of::<LINEAR>(&at, directions, &mut clamped),
+        };
+        let ([ex, ey, ez, ..], [x, y, z, ..]) = (&sum[..], &at[..]) else { return ([R::ZERO; 3], 0) };
+        let (qx, qy, qz) = (*x + *origin_x, *y + *origin_y, *z + *origin_z);
+        let [tilt_x, tilt_y] = self.squareness.error(qy, qz);
+        let errors = [
+            *ex + growth_x.at(qx - *datum_x) + tilt_x,
+            *ey + growth_y.at(qy - *datum_y) + tilt_y,
+            *ez + growth_z.at(qz - *datum_z),
+        ];
+        (errors, clamped)
+    }
+
     /// Returns the wanted correction: `r` with `q + r + E(q + r) = q`, by `passes` lookups `r ← −E(q + r)` from `r = 0`.
     ///
     /// mm, rotary axes in degrees. Errors looked up at the feedback need no inverse and are used as read.

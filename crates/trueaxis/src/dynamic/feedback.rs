@@ -2,7 +2,8 @@
 //!
 //! If the error cannot be acted on (foot not bracketed, a corner or an end, ambiguous, cold, in rapid motion, under a
 //! fault), the integral stays constant and K_p e ramps out. While any axis is limited, the integrals of all axes stay
-//! constant (anti-windup).
+//! constant (anti-windup). Where an axis reverses its integral ends: what it corrects, friction and lag, changes sign
+//! there, and the old integral would double the error.
 //!
 //! On an axis with a stated resonance u may pass a notch ([`crate::check::Notch`]).
 
@@ -11,6 +12,9 @@
 use crate::check::Notch;
 use crate::machine::FeedbackSettings;
 use crate::real::Real;
+
+/// Shortest way back that is a reversal, mm: twice what a program rounded to 1 µm dithers by. Any value to 5 µm serves as well.
+pub(super) const REVERSAL: f64 = 2e-3;
 
 /// Gains, and the fastest motion with feedback.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +57,29 @@ impl<R: Real> Feedback<R> {
     }
 }
 
+/// Direction of an axis: the way back until it counts as reversed, with the sign of the direction; 0 before it has moved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Heading<R>(R);
+
+impl<R: Real> Heading<R> {
+    pub(super) fn new() -> Self {
+        Heading(R::ZERO)
+    }
+
+    /// Whether the axis reverses in a cycle in which it moves by `way`: it is back by `band` from where it was farthest.
+    #[inline(always)]
+    pub(super) fn reverses(&mut self, way: R, band: R) -> bool {
+        let left = self.0 + way;
+        let reverses = self.0 * left <= R::ZERO && self.0 != R::ZERO;
+        self.0 = match reverses {
+            true if way < R::ZERO => -band,
+            true => band,
+            false => left.limit(-band, band),
+        };
+        reverses
+    }
+}
+
 /// A notch at the servo period: takes the part w of its input x away.
 ///
 /// ```text
@@ -91,5 +118,35 @@ impl<R: Real> NotchFilter<R> {
             *state = NotchState([second - a1 * taken, -(self.gain * x) - a2 * taken]);
         }
         x - taken
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Number of reversals along these positions, µm; the band is 2 µm.
+    fn reversals(positions: &[f64]) -> usize {
+        let mut heading = Heading::new();
+        positions.iter().zip(positions.iter().skip(1)).filter(|(from, to)| heading.reverses(*to - *from, 2.0)).count()
+    }
+
+    #[test]
+    fn an_axis_reverses_where_it_is_back_by_the_band_from_where_it_was_farthest() {
+        assert_eq!(reversals(&[0.0, 10.0, 8.5, 10.0, 8.5, 12.0, 10.5, 10.1]), 0);
+        assert_eq!(reversals(&[0.0, 10.0, 9.0, 8.0, 7.0]), 1);
+        assert_eq!(reversals(&[0.0, 10.0, 8.0, 8.0, 9.5, 8.5, 10.0]), 2);
+        assert_eq!(reversals(&[0.0, -10.0, -7.0, -7.0, -10.0, -7.0]), 3);
+    }
+
+    #[test]
+    fn a_narrower_band_turns_nothing_by_itself() {
+        for way in [10.0, -10.0] {
+            let mut heading = Heading::new();
+            assert!(!heading.reverses(way, 5.0));
+            assert!(!heading.reverses(0.0, 2.0));
+            assert!(!heading.reverses(-0.15 * way, 2.0));
+            assert!(heading.reverses(-0.06 * way, 2.0));
+        }
     }
 }

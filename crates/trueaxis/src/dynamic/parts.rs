@@ -27,7 +27,7 @@ impl Dynamics {
     /// Every configured part.
     pub const ALL: Dynamics = Dynamics(127);
     /// No part but a rule: friction, lag and acceleration act only as far as the contour error shows that they help, from
-    /// no share on; the contour feedback acts on no error at rest, and its integral ends at each reversal of its axis.
+    /// no share on; the contour feedback acts on no error at rest.
     pub const ON_TRIAL: Dynamics = Dynamics(128);
 
     /// Whether all bits of `other` are set.

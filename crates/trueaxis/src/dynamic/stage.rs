@@ -7,7 +7,7 @@ use super::common::{self, Common, Room, Wanted};
 use super::crosstalk::Crosstalk;
 use super::evidence::{Evidence, Reach, Worth};
 use super::feed_forward::FeedForward;
-use super::feedback::{Feedback, NotchFilter, NotchState};
+use super::feedback::{Feedback, NotchFilter, NotchState, REVERSAL};
 use super::harm::{Harm, Trial, Wave};
 use super::spike::Probe;
 use super::watch::{Swing, Watch};
@@ -77,6 +77,8 @@ pub(crate) struct DynamicStage<R, P, const N: usize> {
 pub(crate) struct Moment<'m, R, const N: usize> {
     /// Geometric correction, rate-limited.
     pub(crate) geometric: &'m [R; N],
+    /// Hysteresis of the reversals.
+    pub(crate) bands: &'m [R; N],
     /// Contour error of the tip in machine directions; `None` if it cannot be acted on.
     pub(crate) error: Option<[R; 3]>,
     /// Axes that were limited in the last cycle.
@@ -429,25 +431,17 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
         let acts = !rests && feedback.reaches(linear.map(|(drift, _)| drift.velocity()));
         let error = moment.error.filter(|_| acts && sample.verdict == Verdict::Active && sample.due);
         let errors = error.unwrap_or_default();
-        if on.has(Dynamics::ON_TRIAL) {
-            // What the integral corrects changes sides with friction and lag: it would double the error.
-            for ((integral, drift), heading) in state.integral.iter_mut().zip(&state.drift).zip(&mut state.heading) {
-                let way = drift.velocity();
-                if way * *heading < R::ZERO {
-                    *integral = R::ZERO;
-                }
-                if way != R::ZERO {
-                    *heading = way;
-                }
-            }
-        }
         if error.is_some() {
             state.out |= harm.is_found(&mut state.trial, &mut state.waves, errors, &state.integral);
         }
         // One axis that cannot follow displaces the tool in all directions, so every integral stays constant.
         let limited = moment.limited != 0;
+        let motion = state.drift.iter().zip(&mut state.heading).zip(moment.bands);
         let axes = self.axes.iter().zip(&mut state.integral).zip(&mut state.swing).zip(&mut *wanted);
-        for ((((act, integral), swing), wanted), e) in axes.zip(errors) {
+        for (((((act, integral), swing), wanted), ((drift, heading), band)), e) in axes.zip(motion).zip(errors) {
+            if sample.due && heading.reverses(drift.velocity(), band.max(R::of(REVERSAL))) {
+                *integral = R::ZERO;
+            }
             *wanted =
                 feedback.offset(integral, error.map(|_| e), state.trial.share(), limited, act.limiter.magnitude());
             if error.is_some() {

@@ -8,7 +8,7 @@ use super::adapted::Adapted;
 use super::common::Shared;
 use super::evidence::Worth;
 use super::feed_forward::Drift;
-use super::feedback::NotchState;
+use super::feedback::{Heading, NotchState};
 use super::harm::{Trial, Wave};
 use super::watch::Swing;
 use crate::error::Fault;
@@ -30,8 +30,7 @@ pub(crate) struct DynamicState<R, P: Position, const N: usize> {
     /// Notches of the feedback, by linear axis.
     pub(super) notched: [NotchState<R>; 3],
     pub(super) swing: [Swing; N],
-    /// Velocity of each axis when it last moved, for its reversals.
-    pub(super) heading: [R; N],
+    pub(super) heading: [Heading<R>; N],
     /// Oscillations of the tip, and what the feedback does to them.
     pub(super) waves: [Wave<R>; 3],
     pub(super) trial: Trial<R>,
@@ -70,7 +69,7 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
             integral: [R::ZERO; N],
             notched: [NotchState::default(); 3],
             swing: [Swing::default(); N],
-            heading: [R::ZERO; N],
+            heading: [Heading::new(); N],
             waves: [Wave::default(); 3],
             trial: Trial::new(),
             worth: Worth::new(false),

@@ -210,13 +210,20 @@ impl<R: Real> Limiter<R> {
     #[inline(never)]
     fn approach(&self, state: &mut LimiterState<R>, wanted: R) -> bool {
         let LimiterState { sent: c, velocity: v, target: last } = *state;
-        let r = wanted.limit(-self.magnitude, self.magnitude);
+        let (slowest, fastest) = (v - self.acceleration, v + self.acceleration);
+        // Usually both corrections are far from the magnitude, and no limit was lowered in motion.
+        let is_usual = wanted.abs() <= self.open && c.abs() <= self.open && v.abs() <= self.velocity;
+        let (r, lowest, highest) = if is_usual {
+            (wanted, slowest.max(-self.velocity), fastest.min(self.velocity))
+        } else {
+            let r = wanted.limit(-self.magnitude, self.magnitude);
+            let (down, up) = self.room(c);
+            // The acceleration has priority, in case limits were lowered in motion.
+            let (lowest, highest) = (down.max(slowest).min(fastest), up.min(fastest).max(slowest));
+            (r, lowest, highest)
+        };
         let moves = (r - last).limit(-self.velocity, self.velocity);
         let gap = r - c - moves;
-        let (down, up) = self.room(c);
-        // The acceleration has priority, in case limits were lowered in motion.
-        let (slowest, fastest) = (v - self.acceleration, v + self.acceleration);
-        let (lowest, highest) = (down.max(slowest).min(fastest), up.min(fastest).max(slowest));
 
         let direct = r - c;
         let lock = gap.abs() <= self.rounding && direct >= lowest && direct <= highest;
@@ -279,7 +286,7 @@ fn stopping_speed<R: Real>(d: R, b: R, eight_over_b: R) -> R {
     if d <= R::ZERO {
         return R::ZERO;
     }
-    let cycles = ((R::ONE + d * eight_over_b).sqrt() - R::ONE) * R::HALF;
+    let cycles = ((R::ONE + d * eight_over_b).root() - R::ONE) * R::HALF;
     let whole = R::of_i32(cycles.to_i32());
     let n = if whole < cycles { whole + R::ONE } else { whole }.max(R::ONE);
     d / n + b * (n - R::ONE) * R::HALF

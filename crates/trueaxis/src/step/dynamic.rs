@@ -84,6 +84,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let usable = record.tip.flags == Flags::BRACKETED;
         let moment = Moment {
             geometric: &wanted,
+            bands: &self.bands,
             error: usable.then(|| error.into()),
             limited: state.limited,
             late: sample.fault == Fault::LateCycle,

@@ -3,12 +3,12 @@
 //! | cycle | modelled by |
 //! |---|---|
 //! | active, nine terms in one pass, no axis has reversed or left its cell | `model` itself, in the cached cells |
-//! | homed, nine terms, no axis has reversed, few enough cells are left to be filled | `model_in_refilled_cells` |
+//! | any other with nine terms that have cells: cells left, a reversal, new tables or growth, several passes | `model_in_some_cells` |
 //! | volumetric tables looked up at the command | `model_in_tangents` |
-//! | any other: a reversal, new tables or growth, too many cells left, tables without cells | `model_by_lookup` |
+//! | tables without cells | `model_by_lookup` |
 //! | not homed, frozen or stopped | nothing |
 //!
-//! All but the first are out of line, behind `model_outside_cells`.
+//! All but the first are out of line.
 
 #![deny(clippy::indexing_slicing)]
 
@@ -20,20 +20,9 @@ use crate::real::Real;
 use crate::sample::{Sample, Verdict};
 use crate::vector::V3;
 
-/// Cells filled per cycle; the remaining ones that an axis has left are looked up without a cell.
-const REFILLS: u32 = 2;
-/// Cells filled per cycle with grids, at whose nodes cells end too: a lookup without cells then costs more than filling
-/// them.
-const REFILLS_WITH_GRIDS: u32 = 4;
-
-/// Where the inverse of a cycle starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum InverseStart {
-    /// From no correction: takes as many passes as configured.
-    Zero,
-    /// From the correction sent last, which is so close that one pass will do.
-    SentLast,
-}
+/// Cells filled per cycle with grids, at whose nodes cells end too: a look-up of tables and grids without cells costs more
+/// than filling them, and an axis that dithers about a node leaves its cells again and again.
+const FILLS_WITH_GRIDS: u32 = 2;
 
 /// Result of the tables in a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -68,13 +57,13 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     /// correction, in the cells of the previous cycle. Nothing else is done while no axis reverses or leaves its cell.
     #[inline(always)]
     pub(super) fn model(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>, needs_tilt: bool) -> Modelled<R, N> {
-        if sample.verdict == Verdict::Active
-            && state.cells.are_direct(&self.tables)
-            && self.all_continue(state)
-            && let (Some(command), Some(feedback)) = (first(&self.place(state, sample.command)), first(sample.feedback))
-            && let Some((errors, at_edge)) = state.cells.errors(&self.tables, &state.grids, &command, &feedback)
-        {
-            return Modelled::of_errors(errors, at_edge);
+        if sample.verdict == Verdict::Active && state.cells.are_direct(&self.tables) && self.all_continue(state) {
+            if let (Some(command), Some(feedback)) = (first(&self.place(state, sample.command)), first(sample.feedback))
+                && let Some((errors, at_edge)) = state.cells.errors(&self.tables, &state.grids, &command, &feedback)
+            {
+                return Modelled::of_errors(errors, at_edge);
+            }
+            return self.model_outside_left_cells(state, sample);
         }
         self.model_outside_cells(state, sample, needs_tilt)
     }
@@ -103,21 +92,22 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             state.grids.forget();
             return Modelled::NOTHING;
         }
-        let mut start = InverseStart::Zero;
-        if let (true, Some(terms)) = (self.tables.has_cells(), self.compensation.nine_terms())
-            && !self.drop_stale_cells(state, &before, &directions)
-        {
-            if let Some(modelled) = self.model_in_refilled_cells(state, sample, terms, &directions) {
-                return modelled;
-            }
-            if state.cells.passes() == 1 {
-                start = InverseStart::SentLast;
-            }
+        if let (true, Some(terms)) = (self.tables.has_cells(), self.compensation.nine_terms()) {
+            let stale = self.drop_stale_cells(state, &before, &directions);
+            return self.model_in_some_cells(state, sample, terms, &directions, stale);
         }
         match self.compensation.volumetric().filter(|model| model.is_at_command()) {
             Some(volumetric) => self.model_in_tangents(state, sample, &directions, volumetric, needs_tilt),
-            None => self.model_by_lookup(state, sample, &directions, start, needs_tilt),
+            None => self.model_by_lookup(state, sample, &directions, needs_tilt),
         }
+    }
+
+    /// Models a cycle in which an axis has left its cell and nothing else has changed.
+    #[inline(never)]
+    fn model_outside_left_cells(&self, state: &mut State<R, P, N>, sample: &Sample<P, N>) -> Modelled<R, N> {
+        let Some(terms) = self.compensation.nine_terms() else { return Modelled::NOTHING };
+        let directions = state.reversal.map(|reversal| reversal.direction());
+        self.model_in_some_cells(state, sample, terms, &directions, false)
     }
 
     /// Drops all cells if they belong to other tables, and the cells of every axis that has reversed; returns whether
@@ -142,40 +132,60 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         stale
     }
 
-    /// Only the axes have moved: fills the cells that they left. If those are too many, fills one of them and returns
-    /// `None`.
+    /// Nine terms with cells, of which some were left or dropped: reads the others and, for a point without all of its
+    /// cells, the tables. Fills one cell, with grids [`FILLS_WITH_GRIDS`], unless `stale`: then the inverse may take more passes
+    /// instead.
+    ///
+    /// The passes start from the correction sent last.
     #[inline(always)]
-    fn model_in_refilled_cells(
+    fn model_in_some_cells(
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
         terms: &NineTerms<'_, R, P, N>,
         directions: &[Direction; N],
-    ) -> Option<Modelled<R, N>> {
+        stale: bool,
+    ) -> Modelled<R, N> {
         let mut at = self.place(state, sample.command);
-        let grids = self.compensation.grids().map(|grids| (grids, &mut state.grids));
-        let (most, near) = if grids.is_some() { (REFILLS_WITH_GRIDS, true) } else { (REFILLS, false) };
-        let missing = state.cells.missing(grids, &at, sample.feedback);
-        let near = near.then_some(&state.grids);
-        let mut source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, near, left: most };
-        if missing > most {
-            source.left = 1;
-            source.fill_left(&mut state.cells, &at, sample.feedback);
-            return None;
-        }
-        for _ in 1..state.cells.passes() & PASSES_MASK {
-            let error = source.at_command(&mut state.cells, &at)?;
-            for ((at, command), error) in at.iter_mut().zip(sample.command).zip(error) {
-                *at = command.moved(P::offset(-error));
+        let grids = self.compensation.grids();
+        let (boxes, fills) = match (grids, stale) {
+            (_, true) => (1, 0),
+            (None, false) => (0, 1),
+            (Some(_), false) => (2, FILLS_WITH_GRIDS),
+        };
+        if let Some(grids) = grids {
+            for _ in 0..boxes {
+                state.cells.follow(grids, &mut state.grids, &at, sample.feedback);
             }
         }
-        source.fill_left(&mut state.cells, &at, sample.feedback);
-        let (command, feedback) = (first(&at)?, first(sample.feedback)?);
-        let (errors, at_edge) = match near {
-            Some(near) => state.cells.errors_with_grids(&self.tables, near, &command, &feedback)?,
-            None => state.cells.errors(&self.tables, &state.grids, &command, &feedback)?,
+        let grids = grids.map(|grids| (grids, &state.grids));
+        let source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, grids };
+        for _ in 0..fills {
+            if !source.refill(&mut state.cells, &at, sample.feedback) {
+                break;
+            }
+        }
+        let (passes, end) = if stale {
+            (self.tables.most_passes(), Some(state.cells.inverse_end()))
+        } else {
+            (state.cells.passes(), None)
         };
-        Some(Modelled::of_errors(errors, at_edge))
+        let tip = source.at_feedback(&state.cells, sample.feedback);
+        let (mut wrong, at_edge) = source.at_command(&state.cells, &at);
+        for _ in 1..passes & PASSES_MASK {
+            let mut square = R::ZERO;
+            for ((at, command), error) in at.iter_mut().zip(sample.command).zip(wrong) {
+                let next = command.moved(P::offset(-error));
+                let way: R = next.since_near(*at);
+                square += way * way;
+                *at = next;
+            }
+            if end.is_some_and(|end| end.is_reached(square)) {
+                break;
+            }
+            wrong = source.at_command(&state.cells, &at).0;
+        }
+        Modelled::of_errors([wrong, tip], at_edge)
     }
 
     /// Volumetric tables looked up at the command: reads the cached tangents.
@@ -191,7 +201,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let mut at_edge = 0;
         let (command, feedback, thermal) = (sample.command, sample.feedback, &state.thermal);
         let drive = &self.place(state, command);
-        let cycle = Cycle { command, drive, feedback, directions, thermal };
+        let cycle = Cycle { command, drive, feedback, directions, thermal, tables: &self.tables };
         let passes = self.compensation.passes();
         let grids = self.compensation.grids().and_then(|grids| {
             // Cells of other tables lie in grid boxes, which now change.
@@ -211,26 +221,20 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         Modelled { wanted, tip_error, tilt, at_edge }
     }
 
-    /// Any tables, looked up without a cache.
+    /// Any tables, looked up without a cache. The passes of the inverse start from no correction.
     #[inline(always)]
     fn model_by_lookup(
         &self,
         state: &mut State<R, P, N>,
         sample: &Sample<P, N>,
         directions: &[Direction; N],
-        start: InverseStart,
         needs_tilt: bool,
     ) -> Modelled<R, N> {
         let mut at_edge = 0;
-        let (place, passes) = match start {
-            InverseStart::Zero => (*sample.command, self.compensation.passes()),
-            InverseStart::SentLast => (self.place(state, sample.command), 1),
-        };
-        let command = self.compensation.coordinates(&place);
+        let command = self.compensation.coordinates(sample.command);
         let feedback = self.compensation.coordinates(sample.feedback);
-        let wanted = self.compensation.correction_in(
+        let wanted = self.compensation.correction(
             &Query { command: &command, feedback: &feedback, directions, thermal: &state.thermal },
-            passes,
             &mut at_edge,
         );
         let thermal = &state.thermal;

@@ -41,8 +41,9 @@ impl Status {
     pub const NO_OUTPUT: Status = Status(16);
     /// The contour feedback oscillated and is ramped out, until the compensation is switched off or a reset arrives.
     pub const FEEDBACK_OUT: Status = Status(32);
-    /// On trial ([`crate::Dynamics::ON_TRIAL`]) the friction feed-forward made the contour error larger: its share was lowered,
-    /// until it rises to 1 again, the part is switched off or a reset arrives.
+    /// On trial ([`crate::Dynamics::ON_TRIAL`]) the friction feed-forward made the contour error larger and acts with a smaller
+    /// share, until the error shows that it helps, the trial ends, a reset arrives, or friction, lag and acceleration are all
+    /// switched off.
     pub const FRICTION_OUT: Status = Status(64);
     /// The same of the lag or the acceleration feed-forward.
     pub const LAG_OUT: Status = Status(128);

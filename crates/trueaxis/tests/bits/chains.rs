@@ -140,12 +140,12 @@ fn three_axes_on_either_side() {
         &[
             0xaac5_943f_cc10_1d98,
             0xeee2_1eec_e8b2_9159,
-            0x9cbd_6928_2adf_6bb9,
-            0xf785_b07c_7563_d2e5,
+            0x61eb_b49f_11a3_3d7f,
+            0x962a_951b_a5bf_4d76,
             0x55ab_9a02_2a25_634b,
             0xcb81_d252_0215_f6c0,
-            0x9703_66e0_30ca_5a2d,
-            0x794b_a07c_1257_c31a,
+            0x6e48_bd09_e157_e878,
+            0x1044_7552_85d2_7847,
         ],
     );
 }

@@ -255,6 +255,6 @@ fn five_axes_along_a_tool_path() {
     let singles = [false, true].map(five_axes_sum::<f32, Nanometres>);
     check(
         &[doubles[0], doubles[1], singles[0], singles[1]],
-        &[0x2ce1_014c_ef6a_7c72, 0x20db_17d6_4d0d_e765, 0x0365_b188_9216_3381, 0xd0b9_98c0_dea8_0904],
+        &[0x53df_ee5c_b62d_4ea7, 0xd969_4397_46af_3b68, 0xe80d_e632_5ffa_ea1a, 0xa05b_1763_9d50_b1b6],
     );
 }

@@ -2,8 +2,8 @@
 
 use super::LINEAR;
 use super::cell::{Cell, Window, plus};
-use super::tables::{Binding, Form, Tables};
-use crate::compensation::grid::{Grids, Near, NearGrids};
+use super::tables::{Binding, Form, InverseEnd, Tables};
+use crate::compensation::grid::{Grids, Near, NearGrids, Side};
 use crate::compensation::thermal::ThermalLine;
 use crate::part;
 use crate::position::Position;
@@ -42,24 +42,6 @@ impl<R: Real, P: Position> Point<R, P> {
         Some(if cubic { self.sum(steps, true) } else { self.sum(steps, false) })
     }
 
-    /// Number of cells that the position has left. `None` if it has also left the grids' box, which implies at least one
-    /// left cell.
-    #[inline(always)]
-    fn missing<const N: usize>(&self, near: Option<&Near<R, P>>, positions: &[P; N]) -> Option<u32> {
-        let mut missing = 0;
-        for (slot, (cell, position)) in self.cells.iter().zip(positions).enumerate() {
-            if cell.steps(*position).is_none() {
-                if let Some(near) = near
-                    && !position.is_within(&near.ends(slot)?)
-                {
-                    return None;
-                }
-                missing += 1;
-            }
-        }
-        Some(missing)
-    }
-
     /// Drops the cells that extend beyond the grids' box.
     fn keep_within(&mut self, near: &Near<R, P>) {
         for (slot, cell) in self.cells.iter_mut().enumerate() {
@@ -83,6 +65,8 @@ pub(crate) struct Cells<R, P: Position> {
     binding: Binding,
     /// Passes of the inverse per cycle.
     passes: u8,
+    /// Where the inverse ends in a cycle in which more than the position changed.
+    end: InverseEnd<R>,
     pub(super) command: Point<R, P>,
     pub(super) feedback: Point<R, P>,
     /// One bit for every axis whose cell at the command lies beyond its table.
@@ -92,7 +76,14 @@ pub(crate) struct Cells<R, P: Position> {
 impl<R: Real, P: Position> Cells<R, P> {
     /// An empty cache, bound to no tables.
     pub(crate) fn empty() -> Self {
-        Cells { binding: Binding::NONE, passes: 1, command: Point::empty(), feedback: Point::empty(), at_edge: 0 }
+        Cells {
+            binding: Binding::NONE,
+            passes: 1,
+            end: InverseEnd::NEVER,
+            command: Point::empty(),
+            feedback: Point::empty(),
+            at_edge: 0,
+        }
     }
 
     /// Whether the cache is bound to these tables and their inverse takes one pass: a calm cycle may read the cells
@@ -108,7 +99,7 @@ impl<R: Real, P: Position> Cells<R, P> {
         if self.binding == direct || self.binding == by_several {
             return false;
         }
-        self.passes = tables.passes(thermal);
+        (self.passes, self.end) = tables.passes(thermal);
         self.binding = if self.passes == 1 { direct } else { by_several };
         (0..LINEAR).for_each(|slot| self.forget_axis(slot));
         true
@@ -119,41 +110,27 @@ impl<R: Real, P: Position> Cells<R, P> {
         self.passes
     }
 
-    /// Number of cells that the positions have left. If they have also left a grid box, moves the box to them first.
-    #[inline(always)]
-    pub(crate) fn missing<const N: usize>(
-        &mut self,
-        grids: Option<(&Grids<'_, R>, &mut NearGrids<R, P>)>,
-        command: &[P; N],
-        feedback: &[P; N],
-    ) -> u32 {
-        let near = grids.as_ref().map(|(_, near)| &**near);
-        let at_command = self.command.missing(near.map(NearGrids::at_command), command);
-        let at_feedback = self.feedback.missing(near.map(NearGrids::at_feedback), feedback);
-        match (at_command, at_feedback, grids) {
-            (Some(at_command), Some(at_feedback), _) => at_command + at_feedback,
-            (_, _, Some((grids, near))) => self.follow(grids, near, command, feedback),
-            _ => 0,
-        }
+    /// Where the inverse ends in a cycle in which more than the position changed.
+    pub(crate) fn inverse_end(&self) -> InverseEnd<R> {
+        self.end
     }
 
-    /// [`Cells::missing`] for positions that have left a grid box: moves the boxes and drops every cell that extends
-    /// beyond them.
-    #[cold]
+    /// Moves a box of the grids that a position has left, the command's before the feedback's, and drops the cells that
+    /// extend beyond it. A position never leaves a box without leaving a cell.
     #[inline(never)]
-    fn follow<const N: usize>(
+    pub(crate) fn follow<const N: usize>(
         &mut self,
         grids: &Grids<'_, R>,
         near: &mut NearGrids<R, P>,
         command: &[P; N],
         feedback: &[P; N],
-    ) -> u32 {
-        if let (Some(there), Some(back)) = (command.first_chunk(), feedback.first_chunk()) {
-            near.about(grids, there, back);
-            self.command.keep_within(near.at_command());
-            self.feedback.keep_within(near.at_feedback());
+    ) {
+        let (Some(there), Some(back)) = (command.first_chunk(), feedback.first_chunk()) else { return };
+        match near.follow(grids, there, back) {
+            Some(Side::Command) => self.command.keep_within(near.at_command()),
+            Some(Side::Feedback) => self.feedback.keep_within(near.at_feedback()),
+            None => {}
         }
-        self.command.missing(None, command).unwrap_or(0) + self.feedback.missing(None, feedback).unwrap_or(0)
     }
 
     /// Unbinds the cache from its tables.
@@ -182,32 +159,25 @@ impl<R: Real, P: Position> Cells<R, P> {
         feedback: &[P; LINEAR],
     ) -> Option<([[R; 3]; 2], u8)> {
         let (there, back) = (self.command.steps(*command)?, self.feedback.steps(*feedback)?);
-        let sums = |cubic| [self.command.sum(there, cubic), self.feedback.sum(back, cubic)];
         Some(match tables.form() {
-            Form::Linear => (sums(false), self.at_edge),
-            Form::Cubic => (sums(true), self.at_edge),
+            Form::Linear => (self.sums(there, back, false), self.at_edge),
+            Form::Cubic => (self.sums(there, back, true), self.at_edge),
             Form::WithGrids => {
                 part::GRIDS?;
-                return self.errors_with_grids_out_of_line(tables, near, command, feedback);
+                return self.errors_with_grids(tables, near, command, feedback);
             }
         })
     }
 
-    /// Out-of-line [`Cells::errors_with_grids`], so that a machine without grids keeps its registers.
-    #[inline(never)]
-    fn errors_with_grids_out_of_line(
-        &self,
-        tables: &Tables<R, P>,
-        near: &NearGrids<R, P>,
-        command: &[P; LINEAR],
-        feedback: &[P; LINEAR],
-    ) -> Option<([[R; 3]; 2], u8)> {
-        self.errors_with_grids(tables, near, command, feedback)
+    /// Sums of the polynomials at command and feedback.
+    #[inline(always)]
+    fn sums(&self, there: [R; LINEAR], back: [R; LINEAR], cubic: bool) -> [[R; 3]; 2] {
+        [self.command.sum(there, cubic), self.feedback.sum(back, cubic)]
     }
 
-    /// [`Cells::errors`] with grids.
-    #[inline(always)]
-    pub(crate) fn errors_with_grids(
+    /// [`Cells::errors`] with grids: out of line, so that a machine without grids keeps its registers.
+    #[inline(never)]
+    fn errors_with_grids(
         &self,
         tables: &Tables<R, P>,
         near: &NearGrids<R, P>,
@@ -215,8 +185,7 @@ impl<R: Real, P: Position> Cells<R, P> {
         feedback: &[P; LINEAR],
     ) -> Option<([[R; 3]; 2], u8)> {
         let (there, back) = (self.command.steps(*command)?, self.feedback.steps(*feedback)?);
-        let sums = |cubic| [self.command.sum(there, cubic), self.feedback.sum(back, cubic)];
-        let [drive, tip] = if tables.is_cubic() { sums(true) } else { sums(false) };
+        let [drive, tip] = if tables.is_cubic() { self.sums(there, back, true) } else { self.sums(there, back, false) };
         // A cell never extends beyond the box.
         let [drive_grids, tip_grids] = near.errors(command, feedback);
         Some(([plus(drive, drive_grids.array()), plus(tip, tip_grids.array())], self.at_edge | near.edge()))

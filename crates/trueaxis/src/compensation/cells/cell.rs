@@ -53,6 +53,16 @@ impl<R: Real, P: Position> Cell<R, P> {
         if inside { Some(steps) } else { None }
     }
 
+    /// Becomes a copy of another cell if that holds a position and lies within these ends; returns whether it does.
+    #[inline(always)]
+    pub(super) fn takes(&mut self, other: &Self, position: P, ends: Option<[P; 2]>) -> bool {
+        let fits = other.steps(position).is_some() && ends.is_none_or(|ends| other.window.is_within(&ends));
+        if fits {
+            *self = *other;
+        }
+        fits
+    }
+
     /// Rise of the error from the cell's start to a distance `t`.
     #[inline(always)]
     pub(super) fn rise(&self, t: R, cubic: bool) -> [R; 3] {

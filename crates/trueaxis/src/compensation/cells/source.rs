@@ -1,9 +1,9 @@
-//! Refills the cells that an axis has left.
+//! Refills the cells that an axis has left, one a cycle, and reads the tables themselves where a cell is missing.
 
 use super::cache::{Cells, Point};
 use super::cell::{Cell, Window, plus, times};
 use super::tables::{Borders, Tables};
-use crate::compensation::grid::{Near, NearGrids};
+use crate::compensation::grid::{Grids, Near, NearGrids};
 use crate::compensation::nine::NineTerms;
 use crate::compensation::reversal::Direction;
 use crate::compensation::table::{Piece, xyz};
@@ -21,63 +21,115 @@ pub(crate) struct Source<'n, R, P: Position, const N: usize> {
     pub(crate) directions: &'n [Direction; N],
     /// Thermal growth.
     pub(crate) thermal: &'n [ThermalLine<R>; N],
-    /// Boxes of the grids beside the tables.
-    pub(crate) near: Option<&'n NearGrids<R, P>>,
-    /// Number of cells that may still be filled.
-    pub(crate) left: u32,
+    /// Grids beside the tables, and their boxes.
+    pub(crate) grids: Option<(&'n Grids<'n, R>, &'n NearGrids<R, P>)>,
 }
 
 impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
-    /// Errors at a position of the command, filling cells; `None` if a left cell may no longer be filled.
-    #[inline(never)]
-    pub(crate) fn at_command(&mut self, cells: &mut Cells<R, P>, positions: &[P; N]) -> Option<[R; 3]> {
-        let near = self.near.map(NearGrids::at_command);
-        self.fill_point(&mut cells.command, near, &mut cells.at_edge, positions);
-        let at = positions.first_chunk()?;
-        let error = cells.command.error(at, self.tables.is_cubic())?;
-        Some(near.map_or(error, |near| plus(error, near.error(at).array())))
-    }
-
-    /// Fills as many left cells as are still permitted.
-    #[inline(never)]
-    pub(crate) fn fill_left(&mut self, cells: &mut Cells<R, P>, command: &[P; N], feedback: &[P; N]) {
-        let [at_command, at_feedback] = [self.near.map(NearGrids::at_command), self.near.map(NearGrids::at_feedback)];
-        self.fill_point(&mut cells.command, at_command, &mut cells.at_edge, command);
-        self.fill_point(&mut cells.feedback, at_feedback, &mut 0, feedback);
-    }
-
-    /// `at_edge`: one bit for every cell beyond its table.
+    /// Errors at a position of the command, mm, and the axes beyond their tables or grids.
     #[inline(always)]
-    fn fill_point(&mut self, point: &mut Point<R, P>, near: Option<&Near<R, P>>, at_edge: &mut u8, positions: &[P; N]) {
-        let (before, mut bit) = (self.left, 1);
-        for (slot, (cell, position)) in point.cells.iter_mut().zip(positions).enumerate() {
-            if cell.steps(*position).is_none() && self.left > 0 {
-                self.left -= 1;
-                let beyond = self.fill(slot, *position, cell, near);
-                *at_edge = if beyond { *at_edge | bit } else { *at_edge & !bit };
+    pub(crate) fn at_command(&self, cells: &Cells<R, P>, positions: &[P; N]) -> ([R; 3], u8) {
+        self.at(&cells.command, cells.at_edge, self.grids.map(|(_, near)| near.at_command()), positions)
+    }
+
+    /// Errors at the feedback, mm.
+    #[inline(always)]
+    pub(crate) fn at_feedback(&self, cells: &Cells<R, P>, positions: &[P; N]) -> [R; 3] {
+        self.at(&cells.feedback, 0, self.grids.map(|(_, near)| near.at_feedback()), positions).0
+    }
+
+    /// Errors at a position, and the axes beyond their tables or grids: in the cells (`at_edge`: theirs) and the box if they
+    /// hold it, otherwise in the tables and grids themselves.
+    #[inline(always)]
+    fn at(&self, point: &Point<R, P>, at_edge: u8, near: Option<&Near<R, P>>, positions: &[P; N]) -> ([R; 3], u8) {
+        let Some(at) = positions.first_chunk() else { return ([R::ZERO; 3], 0) };
+        let (error, edge) = match point.error(at, self.tables.is_cubic()) {
+            Some(error) => (error, at_edge),
+            None => self.terms.errors_at(at, self.directions, self.thermal),
+        };
+        match (self.grids, near) {
+            (Some((grids, _)), Some(near)) => {
+                let (of_grids, beyond) = self.of_grids(grids, near, positions);
+                (plus(error, of_grids), edge | beyond)
             }
-            bit <<= 1;
-        }
-        if self.left < before {
-            point.sum_up();
+            _ => (error, edge),
         }
     }
 
-    /// Fills the cell of an axis around a position, clipped to the grids' box; returns whether it lies beyond the table.
+    /// Errors that grids add at a position: in their box if it holds that.
     #[inline(never)]
-    fn fill(&self, slot: usize, position: P, cell: &mut Cell<R, P>, near: Option<&Near<R, P>>) -> bool {
+    fn of_grids(&self, grids: &Grids<'_, R>, near: &Near<R, P>, positions: &[P; N]) -> ([R; 3], u8) {
+        match positions.first_chunk().filter(|at| near.holds(at)) {
+            Some(at) => (near.error(at).array(), near.edge()),
+            None => {
+                let sum = grids.of_slides(&self.terms.slides(&self.terms.coordinates(positions)));
+                (sum.tip.array(), sum.edge)
+            }
+        }
+    }
+
+    /// Fills the cell of the first axis that has left its cell, at the command or else at the feedback; one cell may serve
+    /// both. Returns whether there was such an axis.
+    #[inline(never)]
+    pub(crate) fn refill(&self, cells: &mut Cells<R, P>, command: &[P; N], feedback: &[P; N]) -> bool {
+        let Cells { command: at_command, feedback: at_feedback, at_edge, .. } = cells;
+        let both = at_command.cells.iter_mut().zip(&mut at_feedback.cells);
+        for (slot, ((there, back), (command, feedback))) in both.zip(command.iter().zip(feedback)).enumerate() {
+            if there.steps(*command).is_none() || back.steps(*feedback).is_none() {
+                let bit = 1 << (slot & 7);
+                self.refill_axis(slot, [there, back], [*command, *feedback]);
+                *at_edge = if self.is_beyond(slot, *command) { *at_edge | bit } else { *at_edge & !bit };
+                at_command.sum_up();
+                at_feedback.sum_up();
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Whether a position of an axis is beyond its table.
+    #[inline(always)]
+    fn is_beyond(&self, slot: usize, position: P) -> bool {
+        let there = self.terms.tables.get(slot).is_some_and(|table| !table.is_empty());
+        there && self.tables.borders.get(slot).is_some_and(|borders| !position.is_within(&borders.ends))
+    }
+
+    /// Fills the cell of an axis that the command has left, otherwise that of the feedback.
+    #[inline(always)]
+    fn refill_axis(&self, slot: usize, [there, back]: [&mut Cell<R, P>; 2], [command, feedback]: [P; 2]) {
+        let [of_command, of_feedback] = match self.grids {
+            Some((_, near)) => near.boxes().map(|near| near.ends(slot)),
+            None => [None; 2],
+        };
+        if there.steps(command).is_some() {
+            if !back.takes(there, feedback, of_feedback) {
+                self.fill(slot, feedback, back, of_feedback);
+            }
+            return;
+        }
+        if !there.takes(back, command, of_command) {
+            self.fill(slot, command, there, of_command);
+        }
+        if back.steps(feedback).is_none() {
+            back.takes(there, feedback, of_feedback);
+        }
+    }
+
+    /// Fills the cell of an axis around a position, clipped to the ends of the grids' box.
+    #[inline(never)]
+    fn fill(&self, slot: usize, position: P, cell: &mut Cell<R, P>, ends: Option<[P; 2]>) {
         let (Some(table), Some(borders), Some(direction), Some(growth)) = (
             self.terms.tables.get(slot),
             self.tables.borders.get(slot),
             self.directions.get(slot),
             self.thermal.get(slot),
         ) else {
-            return false;
+            return;
         };
-        let coordinate = table.coordinate(position);
-        let piece = table.piece(coordinate, *direction);
         let [first, last] = borders.ends;
         let (below, above) = (position < first, position > last);
+        let coordinate = table.coordinate(position);
+        let piece = table.piece(coordinate, *direction);
         let within = !(below || above || table.is_empty());
         let [mut low, mut high] = if within {
             between_points(borders, position, &piece)
@@ -86,7 +138,7 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
         } else {
             borders.above
         };
-        if let Some([from, to]) = near.and_then(|near| near.ends(slot)) {
+        if let Some([from, to]) = ends {
             (low, high) = (if from > low { from } else { low }, if to < high { to } else { high });
         }
         cell.window = Window::between([low, high]);
@@ -107,7 +159,6 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
         let line = self.line(slot, growth);
         cell.start = plus(cell.start, line.at(coordinate - down));
         cell.slope = plus(cell.slope, times(R::of(P::STEP), line.slope));
-        (below || above) && !table.is_empty()
     }
 
     /// Squareness and thermal growth along an axis.

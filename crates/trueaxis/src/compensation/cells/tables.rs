@@ -153,7 +153,13 @@ impl<R: Real, P: Position> Tables<R, P> {
         self.direct != Binding::WITHOUT_CELLS
     }
 
-    /// Passes `r ← −E(q + r)` needed in a cycle that starts from the correction c of the previous cycle.
+    /// Largest number of passes of the inverse.
+    pub(crate) fn most_passes(&self) -> u8 {
+        self.most
+    }
+
+    /// Passes `r ← −E(q + r)` needed in a cycle that starts from the correction c of the previous cycle, and where they end
+    /// if more than the position changed.
     ///
     /// With κ the norm of dE/dq, r* the fixed point, and r the result of `p` passes:
     ///
@@ -163,10 +169,11 @@ impl<R: Real, P: Position> Tables<R, P> {
     ///
     /// While locked on, the limiter sends r, and |c − r| is the change of r since the last cycle: by motion, at most
     /// κ |Δq| / (1 − κ), and at most the change that the limiter passes. While the limiter approaches, c − r is the
-    /// remaining distance, and the error vanishes with it. If anything but motion changes r, the inverse starts from zero.
-    pub(super) fn passes<const N: usize>(&self, thermal: &[ThermalLine<R>; N]) -> u8 {
-        let growth = thermal.iter().fold(R::ZERO, |most, line| most.max(line.slope().abs()));
-        let norm = self.norm + growth;
+    /// remaining distance, and the error vanishes with it. If anything but motion changes r, every pass says how far it moved
+    /// the correction: [`InverseEnd`].
+    pub(super) fn passes<const N: usize>(&self, thermal: &[ThermalLine<R>; N]) -> (u8, InverseEnd<R>) {
+        let end = self.inverse_end(INVERSE_MM, thermal);
+        let norm = end.norm;
         let rest = R::ONE - norm;
         let by_motion = norm * self.motion;
         let change = if by_motion < self.change * rest { by_motion / rest } else { self.change };
@@ -176,7 +183,44 @@ impl<R: Real, P: Position> Tables<R, P> {
             error = norm * error;
             passes += 1;
         }
-        passes
+        (passes, end)
+    }
+
+    /// Where the passes of the inverse end with a tolerance in mm.
+    pub(crate) fn inverse_end<const N: usize>(&self, tolerance: f64, thermal: &[ThermalLine<R>; N]) -> InverseEnd<R> {
+        let growth = thermal.iter().fold(R::ZERO, |most, line| most.max(line.slope().abs()));
+        let norm = self.norm + growth;
+        InverseEnd { norm, error: R::of(tolerance) * (R::ONE - norm), change: self.change }
+    }
+}
+
+/// Where the passes of the inverse end in a cycle in which more than the position changed.
+///
+/// After a pass that moved the correction by m, the rest is at most κ m / (1 − κ): the inverse has converged where that is
+/// within its tolerance. A correction farther from the one sent last than the limiter passes in a cycle is not sent, so it
+/// need not be exact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InverseEnd<R> {
+    /// κ, and its tolerance times 1 − κ.
+    norm: R,
+    error: R,
+    /// Largest change of the correction in a cycle, mm.
+    change: R,
+}
+
+impl<R: Real> InverseEnd<R> {
+    pub(crate) const NEVER: Self = InverseEnd { norm: R::ONE, error: R::ZERO, change: R::MAX };
+
+    /// Whether the inverse has converged after a pass that moved the correction by the root of `square`, mm.
+    #[inline(always)]
+    pub(crate) fn has_converged(&self, square: R) -> bool {
+        self.norm * self.norm * square <= self.error * self.error
+    }
+
+    /// Whether it ends there, converged or not: the correction is that far from the one sent last.
+    #[inline(always)]
+    pub(crate) fn is_reached(&self, square: R) -> bool {
+        self.has_converged(square) || square > self.change * self.change
     }
 }
 

@@ -13,8 +13,8 @@ type Place<'s, R, P> = (&'s Near<R, P>, [R; LINEAR]);
 #[derive(Debug)]
 pub(crate) struct CycleGrids<'s, R, P: Position> {
     grids: &'s Grids<'s, R>,
-    /// Boxes, and the steps from their low corners; `None` if rotary axes turn the levers.
-    near: Option<[Place<'s, R, P>; 2]>,
+    /// Boxes, and the steps from their low corners; `None` if rotary axes turn the levers, or the position is not in its box.
+    near: [Option<Place<'s, R, P>>; 2],
     edge: u8,
 }
 
@@ -28,12 +28,13 @@ impl<'s, R: Real, P: Position> CycleGrids<'s, R, P> {
         feedback: &[P; LINEAR],
     ) -> Option<Self> {
         if grids.swings() {
-            return Some(CycleGrids { grids, near: None, edge: 0 });
+            return Some(CycleGrids { grids, near: [None; 2], edge: 0 });
         }
-        let (there, back) = near.about(grids, drive, feedback);
-        let edge = near.edge();
+        let [there, back] = near.about(grids, drive, feedback);
+        let edge = if there.is_some() { near.edge() } else { 0 };
         let [command, feedback] = near.boxes();
-        Some(CycleGrids { grids, near: Some([(command, there), (feedback, back)]), edge })
+        let near = [there.map(|there| (command, there)), back.map(|back| (feedback, back))];
+        Some(CycleGrids { grids, near, edge })
     }
 
     /// The grids.
@@ -42,16 +43,16 @@ impl<'s, R: Real, P: Position> CycleGrids<'s, R, P> {
         self.grids
     }
 
-    /// One bit for every axis beyond the nodes of a grid; 0 without boxes.
+    /// One bit for every axis beyond the nodes of a grid; 0 without a box.
     #[inline(always)]
     pub(crate) fn edge(&self) -> u8 {
         self.edge
     }
 
-    /// Error of the tip, mm, at the drive positions shifted by `moved` mm; `None` without boxes.
+    /// Error of the tip, mm, at the drive positions shifted by `moved` mm; `None` without a box.
     #[inline(always)]
     pub(crate) fn at_drives(&self, moved: [R; LINEAR]) -> Option<V3<R>> {
-        let [(near, steps), _] = self.near.as_ref()?;
+        let [Some((near, steps)), _] = &self.near else { return None };
         let mut steps = *steps;
         for (steps, moved) in steps.iter_mut().zip(moved) {
             *steps += moved * R::of(1.0 / P::STEP);
@@ -59,10 +60,10 @@ impl<'s, R: Real, P: Position> CycleGrids<'s, R, P> {
         Some(near.at(steps))
     }
 
-    /// Error of the tip, mm, at the feedback; `None` without boxes.
+    /// Error of the tip, mm, at the feedback; `None` without a box.
     #[inline(always)]
     pub(crate) fn at_feedback(&self) -> Option<V3<R>> {
-        let [_, (near, steps)] = self.near.as_ref()?;
+        let [_, Some((near, steps))] = &self.near else { return None };
         Some(near.at(*steps))
     }
 

@@ -37,7 +37,7 @@ use crate::real::Real;
 use crate::vector::V3;
 use cell::Cells;
 pub(crate) use cycle::CycleGrids;
-pub(crate) use near::{Near, NearGrids};
+pub(crate) use near::{Near, NearGrids, Side};
 
 /// Number of linear axes; grids span only these.
 const LINEAR: usize = 3;

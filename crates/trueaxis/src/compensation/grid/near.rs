@@ -47,7 +47,7 @@ impl<R: Real, P: Position> Near<R, P> {
 
     /// Whether the position is in the box.
     #[inline(always)]
-    fn holds(&self, at: &[P; LINEAR]) -> bool {
+    pub(crate) fn holds(&self, at: &[P; LINEAR]) -> bool {
         at.iter().zip(self.low.iter().zip(&self.high)).all(|(at, (low, high))| at.is_within(&[*low, *high]))
     }
 
@@ -57,6 +57,12 @@ impl<R: Real, P: Position> Near<R, P> {
         let ([x, y, z], [low_x, low_y, low_z]) = (at, &self.low);
         let along = |at: &P, low: &P| at.steps_above(*low, P::Reach::default()).0;
         [along(x, low_x), along(y, low_y), along(z, low_z)]
+    }
+
+    /// One bit for every axis beyond the nodes of a grid.
+    #[inline(always)]
+    pub(crate) fn edge(&self) -> u8 {
+        self.edge
     }
 
     /// Error of the tip at a position in the box, mm.
@@ -90,6 +96,15 @@ impl<R: Real, P: Position> Near<R, P> {
     }
 }
 
+/// Which of the two boxes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// The one around the command.
+    Command,
+    /// The one around the feedback.
+    Feedback,
+}
+
 /// Boxes around command and feedback; after [`NearGrids::forget`] they are recomputed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NearGrids<R, P: Position> {
@@ -113,32 +128,49 @@ impl<R: Real, P: Position> NearGrids<R, P> {
         self.key = Self::NONE;
     }
 
-    /// Moves the boxes to these positions if needed; returns the steps of both from the low corners.
+    /// Steps of both positions from the low corners of their boxes; `None` for one that is not in its box. Moves at most one
+    /// box that was left, the command's before the feedback's.
     #[inline(always)]
     pub(crate) fn about(
         &mut self,
         grids: &Grids<'_, R>,
         command: &[P; LINEAR],
         feedback: &[P; LINEAR],
-    ) -> ([R; LINEAR], [R; LINEAR]) {
+    ) -> [Option<[R; LINEAR]>; 2] {
         self.bind_to(grids);
-        if !(self.command.holds(command) && self.feedback.holds(feedback)) {
-            self.renew(grids, command, feedback);
-        }
-        (self.command.along(command), self.feedback.along(feedback))
+        self.follow(grids, command, feedback);
+        [(&self.command, command), (&self.feedback, feedback)].map(|(near, at)| near.holds(at).then(|| near.along(at)))
     }
 
-    /// Replaces the boxes that these positions have left.
+    /// Moves a box that its position has left, the command's before the feedback's; returns which.
+    #[inline(always)]
+    pub(crate) fn follow(
+        &mut self,
+        grids: &Grids<'_, R>,
+        command: &[P; LINEAR],
+        feedback: &[P; LINEAR],
+    ) -> Option<Side> {
+        let side = if !self.command.holds(command) {
+            Side::Command
+        } else if !self.feedback.holds(feedback) {
+            Side::Feedback
+        } else {
+            return None;
+        };
+        self.renew(grids, side, if side == Side::Command { command } else { feedback });
+        Some(side)
+    }
+
+    /// Replaces the box on one side by the one around a position.
     #[cold]
     #[inline(never)]
-    fn renew(&mut self, grids: &Grids<'_, R>, command: &[P; LINEAR], feedback: &[P; LINEAR]) {
-        if !self.command.holds(command) {
-            // The feedback's box may already cover the command.
-            self.command = if self.feedback.holds(command) { self.feedback } else { grids.near(command) };
-        }
-        if !self.feedback.holds(feedback) {
-            self.feedback = if self.command.holds(feedback) { self.command } else { grids.near(feedback) };
-        }
+    fn renew(&mut self, grids: &Grids<'_, R>, side: Side, at: &[P; LINEAR]) {
+        let (own, other) = match side {
+            Side::Command => (&mut self.command, &self.feedback),
+            Side::Feedback => (&mut self.feedback, &self.command),
+        };
+        // The other box may already cover the position.
+        *own = if other.holds(at) { *other } else { grids.near(at) };
         let (there, back) = (flat(&self.command.factors), flat(&self.feedback.factors));
         let both = if there == back { there } else { 3 };
         (self.command.flat, self.feedback.flat) = (both, both);

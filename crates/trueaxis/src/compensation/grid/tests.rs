@@ -232,7 +232,10 @@ fn boxes_agree<R: Real, P: Position>(seed: u64, tolerance: f64) {
             at = core::array::from_fn(|k| (at[k] + step * noise.signed()).clamp(-500.0, 500.0));
             let feedback = at.map(|x| x + 0.01);
             let [command, back] = [at, feedback].map(|at| at.map(P::of));
-            kept.about(&grids, &command, &back);
+            // One box a call.
+            let first = kept.about(&grids, &command, &back);
+            assert!(first.iter().any(Option::is_some), "{case}: {at:?}");
+            assert!(kept.about(&grids, &command, &back).iter().all(Option::is_some), "{case}: {at:?}");
             let ([drives, tip], edge) = (kept.errors(&command, &back), kept.edge());
             let truth = |place: [P; 3]| exact.of_slides(&place.map(|p| p.to_f64()));
             for (found, truth) in [(drives, truth(command)), (tip, truth(back))] {

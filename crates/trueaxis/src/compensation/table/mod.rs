@@ -7,7 +7,7 @@ use super::reversal::Direction;
 use crate::position::Position;
 use crate::real::Real;
 pub(super) use build::{enough, own_component, requirement_of_all};
-pub(super) use interval::{Interval, Piece, xyz};
+pub(super) use interval::{Piece, xyz};
 
 /// Contribution of an axis at one position.
 ///

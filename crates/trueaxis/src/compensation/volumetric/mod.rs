@@ -272,6 +272,9 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         if self.plain {
             return self.plain_pose_error(query, clamped);
         }
+        if N == 3 && self.at_command {
+            return self.slides_at_command::<false>(query, clamped);
+        }
         let mut twists = [[R::ZERO; 6]; N];
         self.look_up(0..N, query, &mut twists, clamped);
         self.carried(query, &self.chain.poses(query.command), &twists)

@@ -15,7 +15,6 @@
 use super::tangent::{TOLERANCE_MM, Tangent};
 use super::{Volumetric, halves};
 use crate::compensation::reversal::Direction;
-use crate::compensation::table::Interval;
 use crate::compensation::thermal::ThermalLine;
 use crate::position::Position;
 use crate::real::Real;
@@ -47,135 +46,146 @@ fn across<R: Real>(w: V3<R>, slide: usize) -> V3<R> {
     }
 }
 
-/// A slide in its table, from the low corner of the box.
-struct Corner<'a, R> {
-    interval: Interval<'a, R, 6>,
-    /// Parameter of the interval's polynomial there.
-    t: R,
-    /// Position from the table's first point, and from machine zero.
-    at: R,
-    q: R,
+/// A box for which the polynomials are summed up, one slide a cycle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Work<P: Position, const N: usize> {
+    /// Position around which the box was laid.
+    at: [P; N],
+    low: [P; N],
+    reach: [P::Reach; N],
+    /// Slot of the next slide; [`Work::NOTHING`] if no work is under way.
+    next: u8,
 }
 
-/// Sums over the slides.
-struct Sums<R> {
-    tip: V3<R>,
-    slopes: [V3<R>; 3],
-    powers: [[V3<R>; 2]; 3],
-    products: [V3<R>; 3],
-    /// For each slide, the sum of rotations of the axes for which it carries the tool.
-    carried: [V3<R>; 3],
+impl<P: Position, const N: usize> Work<P, N> {
+    const NOTHING: u8 = u8::MAX;
+
+    /// No work.
+    pub(super) fn none() -> Self {
+        let nowhere = [P::of(f64::NAN); N];
+        Work { at: nowhere, low: nowhere, reach: [P::Reach::default(); N], next: Self::NOTHING }
+    }
+
+    /// Whether work is under way for a box that holds this position.
+    pub(super) fn serves<R: Real>(&self, at: &[P; N]) -> bool {
+        let ends = self.low.iter().zip(&self.reach);
+        self.next != Self::NOTHING && at.iter().zip(ends).all(|(at, (low, reach))| at.steps_above::<R>(*low, *reach).1)
+    }
 }
 
-impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
-    /// Sets `form` to the polynomials around a position.
+impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
+    /// Lays the box around a position; the form has none until [`Volumetric::add_slide`] has added all slides.
     #[inline(never)]
-    pub(super) fn of_slides(
+    pub(super) fn begin_slides(
         &self,
         form: &mut Tangent<R, P, N>,
+        work: &mut Work<P, N>,
         position: &[P; N],
         directions: &[Direction; N],
-        thermal: &[ThermalLine<R>; N],
     ) {
-        form.edge = 0;
-        let corners: [Option<Corner<'a, R>>; 3] =
-            core::array::from_fn(|slot| self.corner(form, slot, *position.get(slot)?, *directions.get(slot)?));
-        let [Some(x), Some(y), Some(z)] = &corners else { return };
-        let place = [x.q, y.q, z.q];
-        let none = V3::ZERO;
-        let mut sums =
-            Sums { tip: none, slopes: [none; 3], powers: [[none; 2]; 3], products: [none; 3], carried: [none; 3] };
-        self.add(&mut sums, 0, x, &place, thermal);
-        self.add(&mut sums, 1, y, &place, thermal);
-        self.add(&mut sums, 2, z, &place, thermal);
-        let step = R::of(P::STEP);
-        form.tip = sums.tip;
-        for (slide, (slope, (own, carried))) in
-            form.tip_slopes.iter_mut().zip(sums.slopes.into_iter().zip(sums.carried)).enumerate()
-        {
-            *slope = (own + across(carried, slide)) * step;
-        }
-        form.products = sums.products.map(|product| product * (step * step));
-        form.curved = self.curved;
-        if form.curved {
-            for (powers, [square, cube]) in form.powers.iter_mut().zip(sums.powers) {
-                *powers = [square * (step * step), cube * (step * step * step)];
-            }
-        }
-    }
-
-    /// The box along one slide, and the slide at its low corner.
-    #[inline(always)]
-    fn corner(
-        &self,
-        form: &mut Tangent<R, P, N>,
-        slot: usize,
-        position: P,
-        direction: Direction,
-    ) -> Option<Corner<'a, R>> {
-        let table = self.tables.get(slot)?;
-        let at = table.coordinate(position);
-        let interval = table.interval(at, direction);
+        form.clear();
+        (form.tip, form.tip_slopes, form.products) = (V3::ZERO, [V3::ZERO; N], [V3::ZERO; 3]);
+        (form.edge, form.curved) = (0, self.curved);
+        (work.at, work.next) = (*position, 0);
         let ahead = self.width * R::of(AHEAD);
         let behind = self.width - ahead;
-        let (down, up) = if direction == Direction::POSITIVE { (behind, ahead) } else { (ahead, behind) };
-        let [below, above] = interval.rooms(*self.overlaps.get(slot)?);
-        let low = position.moved_back(P::offset(below.min(down)));
-        let high = position.moved(P::offset(above.min(up)));
-        let back: R = position.since_near(low);
-        (*form.low.get_mut(slot)?, *form.reach.get_mut(slot)?) = (low, high.apart(low));
-        form.edge |= u8::from(interval.edge) << (slot & 7);
-        let at = at - back;
-        let t = interval.t - back * interval.per_mm;
-        Some(Corner { interval, t, at, q: at + *self.origins.get(slot)? })
+        let ends = work.low.iter_mut().zip(&mut work.reach).zip(position.iter().zip(directions));
+        for (slot, ((table, overlap), ((low, reach), (position, direction)))) in
+            self.tables.iter().zip(&self.overlaps).zip(ends).enumerate()
+        {
+            let interval = table.interval(table.coordinate(*position), *direction);
+            let (down, up) = if *direction == Direction::POSITIVE { (behind, ahead) } else { (ahead, behind) };
+            let [below, above] = interval.rooms(*overlap);
+            *low = position.moved_back(P::offset(below.min(down)));
+            *reach = position.moved(P::offset(above.min(up))).apart(*low);
+            form.edge |= u8::from(interval.edge) << (slot & 7);
+        }
     }
 
-    /// Adds a slide's polynomials at the levers of the low corner, plus the errors outside its table.
+    /// Adds the next slide's polynomials at the levers of the low corner, plus the errors outside its table; after the last
+    /// one the form has its box. Returns whether it was the last.
+    #[inline(never)]
+    pub(super) fn add_slide(
+        &self,
+        form: &mut Tangent<R, P, N>,
+        work: &mut Work<P, N>,
+        directions: &[Direction; N],
+        thermal: &[ThermalLine<R>; N],
+    ) -> bool {
+        let slot = usize::from(work.next);
+        self.add(form, work, slot, directions, thermal);
+        work.next = work.next.wrapping_add(1);
+        if slot < 2 {
+            return false;
+        }
+        work.next = Work::<P, N>::NOTHING;
+        let step = R::of(P::STEP);
+        for slope in &mut form.tip_slopes {
+            *slope = *slope * step;
+        }
+        for product in &mut form.products {
+            *product = *product * (step * step);
+        }
+        (form.low, form.reach) = (work.low, work.reach);
+        true
+    }
+
     #[inline(always)]
     fn add(
         &self,
-        sums: &mut Sums<R>,
+        form: &mut Tangent<R, P, N>,
+        work: &Work<P, N>,
         slot: usize,
-        corner: &Corner<'_, R>,
-        [qx, qy, qz]: &[R; 3],
+        directions: &[Direction; N],
         thermal: &[ThermalLine<R>; N],
     ) {
+        let (Some(table), Some(position), Some(low), Some(direction), Some(origin)) = (
+            self.tables.get(slot),
+            work.at.get(slot),
+            work.low.get(slot),
+            directions.get(slot),
+            self.origins.get(slot),
+        ) else {
+            return;
+        };
         let (Some(beyond @ [bx, by, bz]), Some(line), Some(datum)) =
             (self.chain.beyond.get(slot), thermal.get(slot), self.datum.get(slot))
         else {
             return;
         };
         let Some(own) = beyond.get(slot).copied() else { return };
-        let lever = V3::new(*bx * *qx, *by * *qy, *bz * *qz);
-        let ([value, slope], bent) = corner.interval.powers(corner.t);
+        let [qx, qy, qz] = self.slides(&self.coordinates(&work.low));
+        let at = table.coordinate(*position);
+        let interval = table.interval(at, *direction);
+        let back: R = position.since_near(*low);
+        let at = at - back;
+        let q = at + *origin;
+        let lever = V3::new(*bx * qx, *by * qy, *bz * qz);
+        let ([value, slope], bent) = interval.powers(interval.t - back * interval.per_mm);
         let ((mut e, w), (mut e1, w1)) = (halves(value), halves(slope));
-        let (growth, rate) = (line.at(corner.at - *datum), line.slope());
+        let (growth, rate) = (line.at(at - *datum), line.slope());
         match slot {
             0 => (e.x, e1.x) = (e.x + growth, e1.x + rate),
             1 => {
                 let [x_slope, _] = self.squareness.slopes(1);
-                (e.x, e1.x) = (e.x + self.squareness.of_y(corner.q), e1.x + x_slope);
+                (e.x, e1.x) = (e.x + self.squareness.of_y(q), e1.x + x_slope);
                 (e.y, e1.y) = (e.y + growth, e1.y + rate);
             }
             _ => {
-                let ([x, y], [x_slope, y_slope]) = (self.squareness.of_z(corner.q), self.squareness.slopes(2));
+                let ([x, y], [x_slope, y_slope]) = (self.squareness.of_z(q), self.squareness.slopes(2));
                 (e.x, e1.x) = (e.x + x, e1.x + x_slope);
                 (e.y, e1.y) = (e.y + y, e1.y + y_slope);
                 (e.z, e1.z) = (e.z + growth, e1.z + rate);
             }
         }
-        sums.tip += e + w.cross(lever);
-        for (carried, there) in sums.carried.iter_mut().zip(beyond) {
-            *carried += w * *there;
+        form.tip += e + w.cross(lever);
+        for (slide, (slope, there)) in form.tip_slopes.iter_mut().zip(beyond).enumerate() {
+            *slope += across(w, slide) * *there;
         }
-        let mut square = across(w1, slot) * own;
-        let mut cube = V3::ZERO;
-        if let Some([second, third]) = bent {
-            let ((e2, w2), (e3, w3)) = (halves(second), halves(third));
-            square += e2 + w2.cross(lever);
-            cube = e3 + w3.cross(lever) + across(w2, slot) * own;
+        if let Some(slope) = form.tip_slopes.get_mut(slot) {
+            *slope += e1 + w1.cross(lever);
         }
-        let [xy, xz, yz] = &mut sums.products;
+        let [xy, xz, yz] = &mut form.products;
         match slot {
             0 => {
                 *xy += across(w1, 1) * *by;
@@ -190,9 +200,19 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
                 *yz += across(w1, 1) * *by;
             }
         }
-        if let (Some(slope), Some(powers)) = (sums.slopes.get_mut(slot), sums.powers.get_mut(slot)) {
-            *slope = e1 + w1.cross(lever);
-            *powers = [square, cube];
+        if !self.curved {
+            return;
+        }
+        let mut square = across(w1, slot) * own;
+        let mut cube = V3::ZERO;
+        if let Some([second, third]) = bent {
+            let ((e2, w2), (e3, w3)) = (halves(second), halves(third));
+            square += e2 + w2.cross(lever);
+            cube = e3 + w3.cross(lever) + across(w2, slot) * own;
+        }
+        let step = R::of(P::STEP);
+        if let Some(powers) = form.powers.get_mut(slot) {
+            *powers = [square * (step * step), cube * (step * step * step)];
         }
     }
 }

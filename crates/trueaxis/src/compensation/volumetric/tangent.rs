@@ -79,6 +79,11 @@ impl<R: Real, P: Position, const N: usize> Tangent<R, P, N> {
         }
     }
 
+    /// Makes the box contain no position.
+    pub(super) fn clear(&mut self) {
+        (self.low, self.reach) = ([P::of(f64::NAN); N], [P::Reach::default(); N]);
+    }
+
     /// Steps from the low corner, and whether the position is in the box.
     #[inline(always)]
     pub(super) fn steps(&self, at: &[P; N]) -> ([R; N], bool) {

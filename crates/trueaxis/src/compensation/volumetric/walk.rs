@@ -147,7 +147,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     #[inline(always)]
     pub(super) fn plain_pose_error(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
         if N == 3 {
-            return self.plain_slides(query, clamped);
+            return self.slides_at_command::<true>(query, clamped);
         }
         self.walk(PlainTables { model: self, query, clamped })
     }
@@ -224,12 +224,17 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         PoseError { tip: (tool.v + workpiece.v + w.cross(tip)).glam(), orientation: w.glam() }
     }
 
-    /// Without rotary axes the lever of every twist is the sum of the travels beyond it; the tool is in the tables.
+    /// Without rotary axes the lever of every twist is the sum of the travels beyond it; the tool is in the tables. All are
+    /// looked up at the command; `PLAIN`: the tables are.
     ///
     /// Computes what [`Volumetric::sum_of_slides`] computes from the tables' values, but adds the terms one by one, for
     /// processors with a multiply-add instruction: the results may differ in the last bit.
     #[inline(always)]
-    fn plain_slides(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
+    pub(super) fn slides_at_command<const PLAIN: bool>(
+        &self,
+        query: &Query<'_, R, N>,
+        clamped: &mut u8,
+    ) -> PoseError<R> {
         let Query { command: at, directions: reverse, thermal, .. } = *query;
         let (mut d, mut orientation) = (V3::ZERO, V3::ZERO);
         let mut q = [R::ZERO; 3];
@@ -239,7 +244,7 @@ impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
         let [qx, qy, qz] = q;
         let mut bit = 1;
         for (((table, [bx, by, bz]), at), reverse) in self.tables.iter().zip(&self.chain.beyond).zip(at).zip(reverse) {
-            let (twist, edge) = table.at_plain(*at, *reverse);
+            let (twist, edge) = if PLAIN { table.at_plain(*at, *reverse) } else { table.at(*at, *reverse) };
             if edge {
                 *clamped |= bit;
             }

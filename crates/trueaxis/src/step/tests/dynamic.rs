@@ -266,6 +266,16 @@ fn along_x(
     disturbance: impl Fn(f64) -> f64,
     cycles: u32,
 ) -> (Vec<Out>, State<f64, f64, 3>, &'static Loop) {
+    beside_x(feedback, |_| 0.0, disturbance, cycles)
+}
+
+/// As [`along_x`], with commands of Y that leave the path.
+fn beside_x(
+    feedback: bool,
+    across: impl Fn(f64) -> f64,
+    disturbance: impl Fn(f64) -> f64,
+    cycles: u32,
+) -> (Vec<Out>, State<f64, f64, 3>, &'static Loop) {
     let mut machine = with_feedback(everything);
     if !feedback {
         machine.contour.feedback = None;
@@ -284,7 +294,7 @@ fn along_x(
     for k in 0..cycles {
         let t = f64::from(k) * T;
         let x = 20.0 * t;
-        let given = Input { feedback: [x, y + disturbance(t), 0.0], ..input([x, 0.0, 0.0]) };
+        let given = Input { feedback: [x, y + disturbance(t), 0.0], ..input([x, across(t), 0.0]) };
         let out = servo.step(&mut state, &given, path.at(0, x / 100.0), ());
         y += T * DRIVE.position_gain_per_s * (out.drive[1] - y);
         outs.push(out);
@@ -300,6 +310,23 @@ fn a_constant_error_is_removed_by_the_feedback() {
         let on = last(true);
         assert!(on.record.tip.error < 1e-5, "{}", on.record.tip.error);
         assert!((on.record.dynamic.unwrap().feedback[1] + disturbance).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn the_integral_of_the_feedback_ends_where_the_axis_reverses_and_not_where_its_command_dithers() {
+    // Y is 5 µm off; its command swings by this much in all, once a second.
+    let least = |swing: f64| {
+        let across = |t: f64| 0.5 * swing * (core::f64::consts::TAU * t).sin();
+        let (outs, ..) = beside_x(true, across, |_| 0.005, 40_000);
+        let corrected = outs[20_000..].iter().map(|out| -out.record.dynamic.unwrap().feedback[1]);
+        corrected.fold(f64::MAX, f64::min)
+    };
+    for dither in [0.0, 2e-4, 1e-3, 1.9e-3] {
+        assert!(least(dither) > 0.0045 - dither, "{dither} mm: {}", least(dither));
+    }
+    for reversal in [2.1e-3, 4e-3] {
+        assert!(least(reversal) < 0.001, "{reversal} mm: {}", least(reversal));
     }
 }
 

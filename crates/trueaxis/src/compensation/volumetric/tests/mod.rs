@@ -1,9 +1,10 @@
 #![allow(clippy::indexing_slicing)]
 
+use super::slides::Work;
 use super::tangent::Tangent;
 use super::*;
 use crate::check;
-use crate::compensation::requirement;
+use crate::compensation::{NineTerms, Tables, requirement};
 use crate::machine::{Interpolation, Row, links};
 use crate::position::Nanometres;
 use crate::testing::machine::{Machine, rows};
@@ -137,7 +138,10 @@ fn in_boxes<R: Real, P: Position, const N: usize>(random: &mut Noise, boxes: usi
             let (directions, thermal) = Case::conditions(random);
             let mut tangent = Tangent::empty();
             if N == 3 {
-                model.of_slides(&mut tangent, &at, &directions, &thermal);
+                let mut work = Work::none();
+                model.begin_slides(&mut tangent, &mut work, &at, &directions);
+                assert!(work.serves::<R>(&at) && !tangent.steps(&at).1);
+                while !model.add_slide(&mut tangent, &mut work, &directions, &thermal) {}
             } else {
                 model.tangent(&mut tangent, &at, &directions, &thermal);
             }
@@ -187,6 +191,8 @@ fn drive<const N: usize>(random: &mut Noise, case: &Case, passes: u8, most: f64)
     let norm = check::jacobian_norm(&case.machine, |axis| case.rows(axis), &check::GridBounds::NONE);
     case.with::<f64, f64, N, _>(|model| {
         let mut cache = TangentCache::empty();
+        let terms = None::<&NineTerms<'_, f64, f64, N>>;
+        let tables = Tables::new(terms, None, norm, [1.0, most * libm::sqrt(N as f64)], passes);
         let (mut command, mut sent) = (Case::place::<N>(random).map(|q| q * 0.9), [0.0; N]);
         let (mut directions, thermal) = Case::conditions::<f64, N>(random);
         let mut speed = [0.0; N];
@@ -212,6 +218,7 @@ fn drive<const N: usize>(random: &mut Noise, case: &Case, passes: u8, most: f64)
                 feedback: &feedback,
                 directions: &directions,
                 thermal: &thermal,
+                tables: &tables,
             };
             let (wanted, (tip, turn)) = model.modelled(&mut cache, &cycle, passes, true, &mut 0);
             let (tip_there, turn_there, _) = direct(model, &feedback, &directions, &thermal);
