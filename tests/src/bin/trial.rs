@@ -1,6 +1,6 @@
 //! The trial: how the dynamic correction does on plants with resonance, play, friction and a cut that it does not know.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
@@ -68,5 +68,6 @@ fn main() -> Result<()> {
     if let Some(file) = arguments.output {
         std::fs::write(&file, text).with_context(|| file.display().to_string())?;
     }
+    ensure!(cases.len() == arguments.plants, "stopped after {} of {} plants", cases.len(), arguments.plants);
     Ok(())
 }
