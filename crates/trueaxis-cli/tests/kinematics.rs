@@ -52,6 +52,28 @@ fn near(found: &[f64], truth: &[f64]) {
 }
 
 #[test]
+fn at_all_axes_zero_the_tip_is_the_tool_plus_and_minus_the_offsets() {
+    let directory = folder(
+        "\
+name = \"offsets, no table\"
+chain = \"w C' A' Y' b X Z t\"
+tool_mm = [5.0, 6.0, -250.0]
+[axis.X]
+offset_mm = [10.0, 0.0, 0.0]
+[axis.Y]
+[axis.Z]
+[axis.A]
+offset_mm = [0.0, 0.0, 150.0]
+[axis.C]
+offset_mm = [1.0, 2.0, 3.0]
+",
+        "x_mm\n0\n",
+    );
+    let (_, rows) = directory.csv(&with("forward", &["in.csv"]));
+    near(&rows[0][1..4], &[14.0, 4.0, -403.0]);
+}
+
+#[test]
 fn forward_says_where_the_tool_is() {
     // Seen from the workpiece, the spindle leans towards its +y at A −90; C turns that towards −x.
     let directory = folder(TRUNNION, "# poses\nz_mm,a_deg,c_deg,x_mm\n10,0,0,1\n10,-90,0,1\n10,-90,90,0\n");

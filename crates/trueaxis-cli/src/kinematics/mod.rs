@@ -23,9 +23,10 @@ Example:
       tool.csv";
 
 const HELP: &str = "\
-The tool's tip and axis (unit vector from the tip to the spindle) are in workpiece coordinates, which at all axes \
-zero coincide with the machine's. A machine has X, Y, Z and up to two of A, B, C, each on either side of its \
-structural code.
+The tool's tip and axis (unit vector from the tip to the spindle) are in workpiece coordinates. At all axes zero \
+these are parallel to the machine's, and the tip is at tool_mm plus the tool-side axes' offset_mm minus the \
+workpiece-side ones'. A machine has X, Y, Z and up to two of A, B, C, each on either side of its structural code. It \
+needs no error table.
 
 forward reads axis positions and adds the tool:
   IN.csv: x_mm,y_mm,z_mm[,a_deg,b_deg,c_deg] in any order, 0 where absent
