@@ -247,6 +247,29 @@ fn isg_values_are_written_as_short_as_they_were() {
     assert!(csv.ends_with("\n0,-0.952,16.312\n1,9.578,-2.671\n"), "{csv}");
 }
 
+/// Positions of a spacing, means of runs and a mesh's own points end at the sixth decimal.
+#[test]
+fn sums_and_means_are_written_without_rounding_noise() {
+    let csv = |format, text: &str, axis, name: &str| {
+        let files = read(format, text, axis).machine_files("m");
+        files.into_iter().find(|(own, _)| own == name).unwrap().1
+    };
+    let spaced = "$AA_ENC_COMP_STEP[0,AX1]=33.3\n$AA_ENC_COMP_MIN[0,AX1]=-0.7\n$AA_ENC_COMP_MAX[0,AX1]=99.2\n\
+        $AA_ENC_COMP[0,0,AX1]=0.0011\n$AA_ENC_COMP[0,1,AX1]=0.0013\n$AA_ENC_COMP[0,2,AX1]=-0.0017\n\
+        $AA_ENC_COMP[0,3,AX1]=0.0007\n";
+    let siemens = csv(Format::Siemens, spaced, Some(Axis::X), "x.csv");
+    assert_eq!(siemens, "X_mm,EXX_um\n-0.7,1.1\n32.6,1.3\n65.9,-1.7\n99.2,0.7\n");
+    let runs = "X_mm,run,direction,deviation_um\n0,1,+,1.1\n0,1,-,2.3\n0,2,+,1.2\n0,2,-,2.2\n0,3,+,1.2\n0,3,-,2.2\n\
+        50,1,+,3.1\n50,1,-,4.3\n50,2,+,3.2\n50,2,-,4.2\n50,3,+,3.2\n50,3,-,4.1\n";
+    let means = csv(Format::Iso230_2, runs, None, "x.csv");
+    assert_eq!(means, "X_mm,EXX_fwd_um,EXX_rev_um\n0,1.166667,2.233333\n50,3.166667,4.2\n");
+    let mesh = "[bed_mesh default]\nversion = 1\npoints =\n  0.0125, 0.0333\n  0.01, 0.07\nx_count = 2\ny_count = 2\n\
+        mesh_x_pps = 2\nmesh_y_pps = 0\nalgo = lagrange\ntension = 0.2\nmin_x = 10.0\nmax_x = 190.0\nmin_y = 10.0\n\
+        max_y = 190.0\n";
+    let mesh = csv(Format::BedMesh, mesh, None, "grid.csv");
+    assert!(mesh.lines().skip(1).flat_map(|line| line.split(',')).all(|number| number.len() <= 9), "{mesh}");
+}
+
 #[test]
 fn isg_refusals() {
     for (text, line, fragment) in [

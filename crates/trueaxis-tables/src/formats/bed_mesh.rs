@@ -38,6 +38,7 @@
 //! Source: Klipper, docs/Bed_Mesh.md and klippy/extras/bed_mesh.py.
 
 use super::Imported;
+use super::decimal::to_six_places;
 use super::grid_csv::imported;
 use crate::error::FileError;
 use crate::grid::{Grid, GridSource};
@@ -196,9 +197,9 @@ pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, F
 /// Mean height from which a note advises moving it into the Z offset, mm.
 const LARGE_MEAN: f64 = 0.5;
 
-/// Rounds to a nanometre, finer than heights are written; turns −0 into 0.
+/// Rounds to a nanometre, finer than heights are written, as a table in µm is read; turns −0 into 0.
 fn rounded(height: f64) -> f64 {
-    (height * 1e6).round() / 1e6 + 0.0
+    (height * 1e6).round() / 1e3 / 1e3 + 0.0
 }
 
 /// Nodes along an axis.
@@ -300,12 +301,13 @@ fn laid(mesh: &Section<'_>, heights: &[Vec<f64>], origin: &Origin) -> Result<Lai
     Ok(Laid { heights, between, by })
 }
 
-/// Nodes with every interval divided into equal parts.
+/// Nodes with every interval divided into equal parts, to a nanometre.
 fn divided(nodes: &[f64], between: usize) -> Vec<f64> {
     let parts = between + 1;
     let inner = nodes
         .windows(2)
-        .flat_map(|ends| (0..parts).map(move |part| ends[0] + (ends[1] - ends[0]) * part as f64 / parts as f64));
+        .flat_map(|ends| (0..parts).map(move |part| ends[0] + (ends[1] - ends[0]) * part as f64 / parts as f64))
+        .map(|node| to_six_places(node, 1.0));
     inner.chain(nodes.last().copied()).collect()
 }
 

@@ -29,6 +29,12 @@ pub(super) fn as_in_a_table(value: f64, scale: f64) -> f64 {
     if (read - value).abs() <= 2.0 * f64::EPSILON * value.abs() { read + 0.0 } else { value }
 }
 
+/// `value` to six decimals of a table's unit (`scale` 1, 1e3, 1e6 from mm or rad), as the table is read: −0.7 + 2 · 33.3 gives
+/// 65.9, not 65.89999999999999, and a mean of three readings ends at the sixth decimal.
+pub(super) fn to_six_places(value: f64, scale: f64) -> f64 {
+    (value * scale * 1e6).round() / 1e6 / scale + 0.0
+}
+
 /// a − b of two decimals of at most ten places, without binary rounding noise: 10.016312 − 10 gives 0.016312, not
 /// 0.016311999999998, as a table in thousandths is read. For other numbers, the plain difference.
 pub(super) fn difference(a: f64, b: f64) -> f64 {

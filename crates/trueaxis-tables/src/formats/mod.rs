@@ -230,8 +230,24 @@ pub fn import(format: Format, text: &str, file: &Path, axis: Option<Axis>) -> Re
         Format::BedMesh => bed_mesh::import(text, file, None),
         Format::Grid => grid_csv::import(text, &origin),
     }?;
+    if matches!(format, Format::LinuxCnc(_) | Format::Siemens | Format::Iso230_2) {
+        // Their positions and errors are sums and means of what the file states.
+        imported.tables.iter_mut().for_each(|(_, table)| to_six_places(table));
+    }
     imported.notes.extend(imported.tables.iter().filter_map(|(axis, table)| open_circle(*axis, table)));
     Ok(imported)
+}
+
+/// Rounds positions and errors to six decimals of mm (degrees) and of µm and µrad.
+fn to_six_places(table: &mut Table) {
+    for row in &mut table.rows {
+        row.position = decimal::to_six_places(row.position, 1.0);
+        for twist in [&mut row.forward, &mut row.reverse] {
+            for (component, error) in twist.iter_mut().enumerate() {
+                *error = decimal::to_six_places(*error, if component < 3 { 1e3 } else { 1e6 });
+            }
+        }
+    }
 }
 
 /// A note on the table of a rotary axis that is one line short of a full circle.

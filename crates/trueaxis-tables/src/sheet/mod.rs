@@ -48,7 +48,7 @@ impl<'r> Sheet<'r> {
     /// Reads the header; `file` is only named in errors.
     ///
     /// # Errors
-    /// No header, one with two kinds of separators, or ambiguous decimals.
+    /// No header or one of numbers only, one with two kinds of separators, or ambiguous decimals.
     pub fn new(mut input: impl Read + 'r, file: &Path) -> Result<Sheet<'r>, FileError> {
         let origin = Origin::new(file);
         let mut head = Vec::new();
@@ -76,6 +76,10 @@ impl<'r> Sheet<'r> {
         }
         sheet.header = sheet.record.iter().map(|name| bare(name).to_owned()).collect();
         sheet.header_line = sheet.line;
+        if sheet.header.iter().all(|name| sheet.origin.number(sheet.line, "", &name.replace(',', ".")).is_ok()) {
+            let found = sheet.header.join(&sheet.separator().to_string());
+            return Err(sheet.origin.at(sheet.line, "", found, "the names of the columns in the first line, above the numbers"));
+        }
         Ok(sheet)
     }
 
