@@ -173,7 +173,7 @@ fn limits_are_drawn_where_they_are_near() {
         }];
         let page = render(&Report { axes, ..Report::default() });
         assert!(text_of(&page).contains(&format!("limit ±{limit:.1} µrad")), "{}", text_of(&page));
-        page.matches("stroke=\"#A01428\"").count()
+        page.matches("stroke=\"#A40E26\"").count()
     };
     assert!(dashes(12.0) > 20, "a limit just above the curve is drawn");
     assert_eq!(dashes(80.0), 0, "a limit far away is stated only");

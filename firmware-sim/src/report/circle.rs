@@ -13,7 +13,7 @@ pub(super) fn section(report: &Report) -> Option<Section> {
     let before = curve("without compensation", colour::UNCOMPENSATED, &circle.uncompensated);
     let compensated = curve("with compensation", colour::COMPENSATED, &circle.compensated);
     let servo = curve("perfect geometry", colour::SERVO, &circle.servo_only);
-    let full = curve("full", colour::FOURTH, &circle.full);
+    let full = curve("full", colour::FULL, &circle.full);
     let after = if full.is_some() { [compensated.clone(), full.clone()] } else { [servo, compensated.clone()] };
     let figures = [
         figure(circle, "Before and after.", [before, full.or(compensated)]),

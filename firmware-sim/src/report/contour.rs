@@ -31,7 +31,7 @@ pub(super) fn section(report: &Report) -> Option<Section> {
         Curve::new("without compensation", colour::UNCOMPENSATED, &series.uncompensated),
         Curve::new("with compensation", colour::COMPENSATED, &series.compensated),
         Curve::new("perfect geometry", colour::SERVO, &series.servo_only),
-        Curve::new("full", colour::FOURTH, &series.full),
+        Curve::new("full", colour::FULL, &series.full),
     ]
     .into_iter()
     .flatten()

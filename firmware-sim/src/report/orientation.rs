@@ -15,7 +15,7 @@ pub(super) fn section(report: &Report) -> Option<Section> {
         ("without compensation", colour::UNCOMPENSATED, &series.uncompensated),
         ("with compensation", colour::COMPENSATED, &series.compensated),
         ("perfect geometry", colour::SERVO, &series.servo_only),
-        ("full", colour::FOURTH, &series.full),
+        ("full", colour::FULL, &series.full),
     ];
     let error: Vec<Curve> = (runs.into_iter())
         .map(|(name, colour, points)| (name, colour, decimate(points, BUCKETS)))
@@ -28,8 +28,7 @@ pub(super) fn section(report: &Report) -> Option<Section> {
     if error.is_empty() {
         return None;
     }
-    let palette = [colour::NEUTRAL, colour::NOMINAL, colour::LIMIT];
-    let rotary: Vec<Curve> = (series.rotary.iter().zip(palette))
+    let rotary: Vec<Curve> = (series.rotary.iter().zip(colour::ROTARY))
         .map(|((name, points), colour)| (name.clone(), colour, decimate(points, BUCKETS)))
         .filter(|(.., points)| !points.is_empty())
         .collect();

@@ -34,7 +34,7 @@ fn parts(reversal: &ReversalReport) -> Figure {
     let curves = [
         ("sent", colour::NEUTRAL, &reversal.sent),
         ("friction, lag, acceleration", colour::UNCOMPENSATED, &reversal.feed_forward),
-        ("contour feedback", colour::SERVO, &reversal.feedback),
+        ("contour feedback", colour::FULL, &reversal.feedback),
         ("cross-talk", colour::LIMIT, &reversal.crosstalk),
     ];
     // Leaves out a part that the machine does not have.
@@ -49,7 +49,7 @@ fn parts(reversal: &ReversalReport) -> Figure {
 fn errors(reversal: &ReversalReport) -> Figure {
     let curves = vec![
         ("with compensation", colour::COMPENSATED, decimate(&reversal.compensated_um, BUCKETS)),
-        ("full", colour::FOURTH, decimate(&reversal.full_um, BUCKETS)),
+        ("full", colour::FULL, decimate(&reversal.full_um, BUCKETS)),
     ];
     figure(reversal, "contour error in µm", curves)
 }

@@ -37,7 +37,7 @@ pub(super) fn surfaces(grinding: &Grinding, outcome: &Outcome) -> Markup {
     let [(without, orange, _), (with, blue, _)] = both(outcome);
     let on: Surface<'_> = (with, blue, on);
     side_by_side([
-        surface(pin_mm, &[("before grinding", colour::NEUTRAL, rough), (without, orange, off), on]),
+        surface(pin_mm, &[("before grinding", colour::FOURTH, rough), (without, orange, off), on]),
         surface(pin_mm, &[on]),
     ])
 }
@@ -143,7 +143,7 @@ pub(super) fn orbits(outcome: &Outcome) -> Markup {
         let (truth, seen) = (centred(&outcome.orbit, first_too), centred(&seen, first_too));
         let scale = |caption| Scale::symmetric(caption, truth.iter().chain(&seen).flatten().copied());
         let mut figure = Figure::square(caption, scale("R_X in µm"), scale("R_Y in µm"));
-        let wide = Stroke::new(colour::NEUTRAL, 3.0).opacity(0.45);
+        let wide = Stroke::new(colour::FOURTH, 3.0).opacity(0.45);
         figure
             .curve("true, mean revolution", truth, wide)
             .curve("gauge, latest revolution", seen, Stroke::new(colour::COMPENSATED, 1.2))
