@@ -275,8 +275,8 @@ fn grinding_prints_its_figures_and_writes_its_page() {
     }
     let directory = Folder::new(SIMULATOR);
     let text = directory.good(&[&arguments[..], &["--report", "out"]].concat());
-    assert!(text.contains("uncorrected") && text.contains("grinding.html"), "{text}");
-    let page = directory.read("out/grinding.html");
+    assert!(text.contains("uncorrected") && text.contains("grind.html"), "{text}");
+    let page = directory.read("out/grind.html");
     let options = roxmltree::ParsingOptions { allow_dtd: true, ..roxmltree::ParsingOptions::default() };
     let document = roxmltree::Document::parse_with_options(&page, options).unwrap();
     let figures = document.descendants().filter(|n| n.has_tag_name("figure")).count();
