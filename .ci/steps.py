@@ -108,6 +108,7 @@ if [[ ! -s report/index.html ]]; then
     echo 'cargo run --release left no report/index.html' >&2
     exit 1
 fi
+docs/pictures.py --check report/index.html
 """
 
 DOCUMENTATION = """

@@ -7,6 +7,7 @@
   are arguments in the program's sources.
 - Every page in docs/controllers has the same headings, in the same order.
 - A code block below `<!-- from FILE -->` is in that file, line by line.
+- A run of the simulator has one name: the other names it has had are in no document.
 
 Prints one line for every defect and exits with 1 if there are any. SPDX-License-Identifier: MIT OR Apache-2.0
 """
@@ -24,6 +25,8 @@ LINK = re.compile(r"!?\[(?:[^\[\]]|\[[^\[\]]*\])*\]\(([^()\s]+)\)")
 INCLUDE = re.compile(r"\{\{#include ([^}\s]+)\}\}")
 GUIDE = ["What you need", "Install", "Configure", "First corrected move", "Check that it works", "When something is wrong"]
 FLAG = re.compile(r"--[a-z][a-z0-9-]*")
+# Names that a run had, and the one it has in command line, reports, desk and documents.
+RETIRED = {"without compensation": "uncorrected", "with compensation": "corrected", "perfect geometry": "servo alone", "full run": "everything on"}
 
 
 def documents():
@@ -78,6 +81,13 @@ def check_links(path):
                 yield number, f"found a link to {target}, needed a file that exists"
             elif anchor and file.suffix == ".md" and anchor not in anchors(file):
                 yield number, f"found a link to {target}, needed a heading of that page"
+
+
+def check_names(path):
+    for number, line, _ in lines_of(path):
+        for name, needed in RETIRED.items():
+            if name in line.lower():
+                yield number, f"found {name}, needed {needed}"
 
 
 def check_summary():
@@ -191,7 +201,7 @@ def main():
     known = {program: subcommands(program) for program in PROGRAMS}
     flags = set(FLAG.findall(page.read_text(encoding="utf-8"))) | GIVEN
     for path in documents():
-        found = [*check_links(path), *check_commands(path, known, flags), *check_guide(path), *check_quoted(path)]
+        found = [*check_links(path), *check_commands(path, known, flags), *check_guide(path), *check_quoted(path), *check_names(path)]
         defects += [(path, number, text) for number, text in found]
     for path, number, text in defects:
         print(f"{path.relative_to(ROOT)}{f':{number}' if number else ''}: {text}", file=sys.stderr)

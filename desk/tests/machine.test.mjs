@@ -74,7 +74,7 @@ test("figures are those of tables check and accuracy", async () => {
     ["M, range of the mean deviation", ({ both }) => both.mean_range],
     ["B̄, mean reversal error", ({ both }) => both.mean_reversal],
   ]) {
-    assert.deepEqual(iso[name], { measured: of(measured), compensated: of(compensated) }, name);
+    assert.deepEqual(iso[name], { measured: of(measured), corrected: of(compensated) }, name);
   }
   await close();
 });

@@ -37,7 +37,7 @@ test("it opens on a running machine with at least three curves, and says what to
   const intro = panel.getByRole("note", { name: "What is seen" });
   await intro.getByText(/how far the tool tip is from its path/).waitFor();
   // The first cut gives the sentence.
-  await panel.getByText(/^Largest contour error while cutting so far: without compensation \S+ µm, with compensation \S+ µm/).waitFor();
+  await panel.getByText(/^Largest contour error while cutting so far: uncorrected \S+ µm, corrected \S+ µm/).waitFor();
   await panel.getByText("rapid traverse, not counted in the figures").waitFor();
   await close();
 });

@@ -282,7 +282,7 @@ test("grinding with and without infeed correction, as firmware-sim grinds", asyn
   const document = await sim(command.split(" ").slice(1));
   assert.equal(document.speed_rpm, 290);
   const rows = await numbers(table);
-  for (const [name, of] of [["without correction", document.uncorrected], ["with correction", document.corrected]]) {
+  for (const [name, of] of [["uncorrected", document.uncorrected], ["corrected", document.corrected]]) {
     const shown = ["out of roundness, mean, µm", "synchronous imprint, µm RMS", "revolutions evaluated", "revolutions skipped", "revolutions discarded", "cycles in which the limiter acted"].map((row) => rows[row][name]);
     assert.deepEqual(shown, [of.roundness_um, of.imprint_um, of.evaluated, of.skipped, of.discarded, of.limited_cycles], name);
   }

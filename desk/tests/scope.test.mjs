@@ -12,7 +12,7 @@ after(closeBrowser);
 
 /** Timeout for a computer that runs other tests at the same time. */
 const LONG = 240_000;
-const KINDS = { "without compensation": "uncompensated", "with compensation": "compensated", "perfect geometry": "servo_only", full: "full" };
+const KINDS = { uncorrected: "uncompensated", corrected: "compensated", "servo alone": "servo_only", "everything on": "full" };
 const SIZES = /^Contour error of the true tip/;
 /** A program of a few seconds that contains everything an act may meet. */
 const TINY = "G21 G90 G94 G17\nF2400\nG0 Z5\nG1 Z0\nX20 Y10\nG2 X20 Y-10 I0 J-10\nG1 X-10\nY0\nX0\nM2\n";
@@ -90,7 +90,7 @@ test("a built-in program gives the command line's figures and digests", async ()
   const document = await sim(["run", "--program", "short-tour", "--json"]);
   same(await figures(panel), document);
   assert.equal(await panel.locator(".bar progress").evaluate((meter) => meter.value), 1);
-  const counts = await numbers(panel.getByRole("table", { name: "The machine with compensation" }));
+  const counts = await numbers(panel.getByRole("table", { name: "The corrected machine" }));
   assert.equal(counts.cycles.run, document.cycles);
   assert.equal(counts["correction limited / cycles"].run, document.limited_cycles);
   await close();

@@ -21,7 +21,7 @@ pub struct Outcome {
     pub latency: LatencySummary,
     /// Steps per second on one core, without a clock between them: the best of [`REPEATS`] passes.
     pub steps_per_s: f64,
-    /// Steps per second of a compensated run: with the plant, the program and the true error of every cycle.
+    /// Steps per second of a corrected run: with the plant, the program and the true error of every cycle.
     pub steps_per_s_with_plant: f64,
 }
 

@@ -52,7 +52,7 @@ pub(crate) struct CalibrateArgs {
     /// Print one JSON document and nothing else.
     #[arg(long)]
     json: bool,
-    /// Write calibration.html into this folder.
+    /// Write calibrate.html into this folder.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
 }
@@ -78,6 +78,6 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<()> {
         "summary": found, "three_axes": three_axes, "five_axes": five_axes, "refused": refused,
     });
     conclude(args.json, &document, &shown, (args.report.as_deref(), Outputs::default()), || {
-        vec![("calibration.html".into(), page(&machines, &shown))]
+        vec![("calibrate.html".into(), page(&machines, &shown))]
     })
 }

@@ -59,7 +59,7 @@ pub(crate) struct GrindArgs {
     /// Print one JSON document and nothing else.
     #[arg(long)]
     json: bool,
-    /// Write grinding.html into this folder.
+    /// Write grind.html into this folder.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
 }
@@ -82,7 +82,7 @@ fn prepare(args: &GrindArgs) -> Result<Grinding> {
 
 pub(crate) fn grind(args: &GrindArgs) -> Result<()> {
     let outputs = outputs_of([args.machine.as_path()], []);
-    args.report.iter().try_for_each(|dir| outputs.refuse_input(&dir.join("grinding.html")))?;
+    args.report.iter().try_for_each(|dir| outputs.refuse_input(&dir.join("grind.html")))?;
     let grinding = prepare(args)?;
     let bar = progress_bar("grinding");
     let mut progress = |fraction: f64| bar.set_position((1000.0 * fraction) as u64);
@@ -93,6 +93,6 @@ pub(crate) fn grind(args: &GrindArgs) -> Result<()> {
     shown.notes.push(format!("two runs in {wall_s:.1} s"));
     let document = Ground { figures: GrindingDocument::new(&outcome, &grinding)?, wall_s };
     conclude(args.json, &document, &shown, (args.report.as_deref(), outputs), || {
-        vec![("grinding.html".into(), page(&grinding, &outcome, &shown))]
+        vec![("grind.html".into(), page(&grinding, &outcome, &shown))]
     })
 }

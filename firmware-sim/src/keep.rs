@@ -56,7 +56,7 @@ pub(crate) struct KeepArgs {
     /// Print one JSON document and nothing else.
     #[arg(long)]
     json: bool,
-    /// Write keeping.html into this folder.
+    /// Write keep.html into this folder.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
 }
@@ -82,6 +82,6 @@ pub(crate) fn keep(args: &KeepArgs) -> Result<()> {
     let outcome = outcome?;
     let (shown, outputs) = (shown(&outcome), Outputs::of(args.task.iter()));
     conclude(args.json, &outcome, &shown, (args.report.as_deref(), outputs), || {
-        vec![("keeping.html".into(), page(&outcome, &shown))]
+        vec![("keep.html".into(), page(&outcome, &shown))]
     })
 }

@@ -66,7 +66,7 @@ fn parsed() -> Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Simulate a program three or four times: without compensation, with compensation, with perfect geometry, and full.
+    /// Simulate a program three or four times: uncorrected, corrected, the servo alone, and everything on.
     Run(run::RunArgs),
     /// Print the settings of a simulation as a scenario file, which --scenario reads back.
     Scenario(scenario_command::PrintArgs),

@@ -23,8 +23,8 @@ use trueaxis_sim::run::{Kind, Run, Sink};
 use trueaxis_tables::output::{Outputs, Staged};
 
 const HELP: &str = "\
-A machine with friction, a dynamic correction, contour feedback or cross-talk gets the fourth run, full, with every \
-correction of the plugin. The run with compensation corrects only the geometry.
+A machine with friction, a dynamic correction, contour feedback or cross-talk gets the fourth run, everything on, \
+with every correction of the plugin. The corrected run corrects only the geometry.
 
 The drives of the simulated machine are settings of the scenario, [drive] and [axis.X] in `firmware-sim scenario`; \
 those that the plugin uses are in machine.toml. They need not agree.
@@ -55,23 +55,23 @@ pub(crate) struct RunArgs {
     scenario: ScenarioArgs,
     #[command(flatten)]
     acts: ActArgs,
-    /// Time the steps in a further compensated run at the real rate, with real-time scheduling if it is permitted.
+    /// Time the steps in a further corrected run at the real rate, with real-time scheduling if it is permitted.
     #[arg(long)]
     paced: bool,
     /// Print one JSON document and nothing else.
     #[arg(long)]
     json: bool,
-    /// Write index.html and trace.csv into this folder, and trace-full.csv of a full run.
+    /// Write index.html and trace.csv into this folder, and trace-full.csv of the run with everything on.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     /// Write the traces (trace.parquet, trace-full.parquet) and the figures (result.parquet) into this folder, as columns
     /// for DuckDB, Polars or pandas; needs the feature `parquet`.
     #[arg(long, value_name = "DIR")]
     parquet: Option<PathBuf>,
-    /// Correction learned on this program, for the full run.
+    /// Correction learned on this program, for the run with everything on.
     #[arg(long, value_name = "FILE.tlearn")]
     learned: Option<PathBuf>,
-    /// Write the contour error of the full run over path length, for `trueaxis learn`.
+    /// Write the contour error of the run with everything on over path length, for `trueaxis learn`.
     #[arg(long, value_name = "FILE.csv")]
     record: Option<PathBuf>,
     /// Source of the contour error of that record.
@@ -172,7 +172,7 @@ pub(crate) fn with_learned(scenario: Scenario, file: Option<&Path>) -> Result<Sc
     scenario.with_learned(Arc::new(table)).with_context(of_file)
 }
 
-/// Begins the record of the full run.
+/// Begins the record of the run with everything on.
 fn record_to(
     path: &Path,
     scenario: &Scenario,

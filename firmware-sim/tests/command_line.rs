@@ -177,11 +177,7 @@ fn the_trace_keeps_the_limits_and_the_report_is_written() {
     let output = directory.run(&[&arguments[..], &["--rate-hz", "2000"]].concat());
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(
-        text.contains("without compensation")
-            && text.contains("perfect geometry")
-            && text.contains("FeedbackNotFinite")
-    );
+    assert!(text.contains("uncorrected") && text.contains("servo alone") && text.contains("FeedbackNotFinite"));
     let (_, errors) = text.split_once("True contour error of the tool tip while cutting\n").unwrap();
     assert_eq!(errors.lines().take_while(|line| !line.is_empty()).count(), 1 + 4, "{text}");
     let page = directory.read("out/index.html");
@@ -279,8 +275,8 @@ fn grinding_prints_its_figures_and_writes_its_page() {
     }
     let directory = Folder::new(SIMULATOR);
     let text = directory.good(&[&arguments[..], &["--report", "out"]].concat());
-    assert!(text.contains("without correction") && text.contains("grinding.html"), "{text}");
-    let page = directory.read("out/grinding.html");
+    assert!(text.contains("uncorrected") && text.contains("grind.html"), "{text}");
+    let page = directory.read("out/grind.html");
     let options = roxmltree::ParsingOptions { allow_dtd: true, ..roxmltree::ParsingOptions::default() };
     let document = roxmltree::Document::parse_with_options(&page, options).unwrap();
     let figures = document.descendants().filter(|n| n.has_tag_name("figure")).count();

@@ -11,12 +11,12 @@ const NEVER: &str = "an input is never written";
 fn an_input_is_never_written() {
     let folder = Folder::new(SIMULATOR);
     let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../compensation-tables");
-    for (sample, file) in [("mill-3axis", "index.html"), ("grinder", "grinding.html"), ("head-5axis", "rtcp.html")] {
+    for (sample, file) in [("mill-3axis", "index.html"), ("grinder", "grind.html"), ("head-5axis", "rtcp.html")] {
         folder.copy(&samples.join(sample), ".");
         // A machine file may have any name.
         folder.write(file, folder.read("machine.toml"));
         let command = ["run", "grind", "rtcp"]
-            [["index.html", "grinding.html", "rtcp.html"].iter().position(|name| *name == file).unwrap()];
+            [["index.html", "grind.html", "rtcp.html"].iter().position(|name| *name == file).unwrap()];
         folder.bad(&[command, "--machine", file, "--report", "."], &[NEVER]);
     }
     fs::copy(samples.join("mill-3axis/machine.toml"), folder.join("machine.toml")).unwrap();

@@ -127,7 +127,7 @@ fn a_realistic_page_is_complete_and_self_contained() {
     for expected in [
         "mill <3> & \"Söhne\"",
         "w X' b Y Z t",
-        "perfect geometry",
+        "servo alone",
         "limit ±20.0 µm",
         "limit ±200 µm, outside the figure",
         "limit ±0.0500 mm/s",
@@ -158,7 +158,7 @@ fn a_realistic_page_is_complete_and_self_contained() {
 fn the_largest_error_is_in_the_figure_at_its_place() {
     let mut report = circle();
     report.contour.uncompensated[12_345] = [64.64, -33.3];
-    assert!(text_of(&render(&report)).contains("without compensation: largest 33.3 µm at 64.64 mm"));
+    assert!(text_of(&render(&report)).contains("uncorrected: largest 33.3 µm at 64.64 mm"));
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn limits_are_drawn_where_they_are_near() {
         }];
         let page = render(&Report { axes, ..Report::default() });
         assert!(text_of(&page).contains(&format!("limit ±{limit:.1} µrad")), "{}", text_of(&page));
-        page.matches("stroke=\"#A01428\"").count()
+        page.matches("stroke=\"#A40E26\"").count()
     };
     assert!(dashes(12.0) > 20, "a limit just above the curve is drawn");
     assert_eq!(dashes(80.0), 0, "a limit far away is stated only");

@@ -310,7 +310,7 @@ fn iso_230_2_before_and_after_compensation() {
     assert!(after["systematic"].as_f64().unwrap() < 0.1 * before["systematic"].as_f64().unwrap());
     assert!(after["reversal"].as_f64().unwrap() < 0.5 * before["reversal"].as_f64().unwrap());
     let table = directory.good(&["tables", "accuracy", measured]);
-    assert!(table.contains("bidirectional accuracy") && !table.contains("compensated"));
+    assert!(table.contains("bidirectional accuracy") && !table.contains("corrected"));
     // A machine whose table is the measured mean: only the scatter remains.
     directory
         .write("m/machine.toml", "name = \"b\"\nchain = \"w b X t\"\n[axis.X]\ntable = \"x.csv\"\nbacklash_um = 3\n");

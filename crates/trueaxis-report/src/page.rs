@@ -1,11 +1,16 @@
-use crate::number::printable;
+use crate::{colour, number::printable};
 use maud::{Markup, PreEscaped, Render, html};
 
 const STYLE: &str = include_str!("style.css");
+/// For readers who prefer a dark page; on paper it stays light.
+const DARK: &str = "@media screen and (prefers-color-scheme: dark) {
+  :root { color-scheme: dark; --ink: #e6e8eb; --paper: #14171b; --quiet: #a4abb5; --rule: #3b424b; --mesh: #2c323a; }
+";
 /// Elements are closed, so that any XML reader can read the page.
 const HEAD: &str = r#"<meta charset="utf-8"/><meta name="viewport" content="width=device-width, initial-scale=1"/>"#;
 
-/// A self-contained HTML page that is also well-formed XML: inline style, no address, no script.
+/// A self-contained HTML page that is also well-formed XML: inline style, no address, no script. It is dark for readers who
+/// prefer that, and light on paper.
 #[derive(Clone, Debug)]
 pub struct Page {
     title: String,
@@ -44,12 +49,15 @@ impl Page {
     /// The document. Characters that XML does not permit become spaces.
     #[must_use]
     pub fn document(&self) -> String {
+        let body = html! { body { main { h1 { (self.title) } "\n" @for part in &self.parts { (part) } } } };
+        let dark = format!("{DARK}{}}}\n", colour::on_dark(&body.0));
+        let style = html! { style { (PreEscaped(STYLE)) (PreEscaped(dark)) (PreEscaped(self.style)) } };
         let page = html! {
             (PreEscaped("<!DOCTYPE html>\n"))
             html lang="en-GB" {
-                head { (PreEscaped(HEAD)) title { (self.title) } style { (PreEscaped(STYLE)) (PreEscaped(self.style)) } }
+                head { (PreEscaped(HEAD)) title { (self.title) } (style) }
                 "\n"
-                body { main { h1 { (self.title) } "\n" @for part in &self.parts { (part) } } }
+                (body)
             }
             "\n"
         };

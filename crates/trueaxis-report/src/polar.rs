@@ -21,7 +21,7 @@ const GAP: f64 = TAU / 8.0;
 pub const CIRCLES: [(&str, Colour); 4] = [
     ("LSC", colour::COMPENSATED),
     ("MZC (both circles)", colour::UNCOMPENSATED),
-    ("MCC", colour::SERVO),
+    ("MCC", colour::FULL),
     ("MIC", colour::FOURTH),
 ];
 

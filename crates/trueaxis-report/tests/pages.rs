@@ -156,7 +156,7 @@ fn shapes_are_where_their_scale_puts_them() {
     let mut figure = Figure::full("d", 200, Scale::exact("x", 0.0, 10.0), Scale::logarithmic("y", 1.0, 100.0));
     figure.line([[0.0, 1.0], [5.0, 10.0], [10.0, 100.0], [2.0, 0.0]], stroke());
     let page = page(figure);
-    let curve = page.split("stroke=\"#005AAA\"").nth(1).expect("the curve");
+    let curve = page.split("stroke=\"#005A9C\"").nth(1).expect("the curve");
     let points = curve.split("points=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("points");
     let points: Vec<[f64; 2]> = points
         .split_whitespace()
@@ -183,9 +183,40 @@ fn the_minimum_zone_is_dashed_and_circles_are_in_the_legend() {
     for part in ["LSC, zone 1.50 µm", "MZC (both circles), zone 1.50 µm", "Seen. Magnification 20000 : 1", "180°"] {
         assert!(text.contains(part), "{part}: {text}");
     }
-    assert!(page.matches("stroke=\"#D55E00\"").count() > 50, "dashes of two circles");
+    assert!(page.matches("stroke=\"#B84A00\"").count() > 50, "dashes of two circles");
     // The circle and its entry in the legend.
-    assert_eq!(page.matches("stroke=\"#005AAA\"").count(), 2);
+    assert_eq!(page.matches("stroke=\"#005A9C\"").count(), 2);
+}
+
+/// The rules for dark pages, and the page without them.
+fn dark(page: &str) -> (&str, String) {
+    let (before, rest) =
+        page.split_once("@media screen and (prefers-color-scheme: dark) {").expect("rules for dark pages");
+    let (rules, after) = rest.split_once("\n}\n").expect("their end");
+    (rules, format!("{before}{after}"))
+}
+
+#[test]
+fn a_dark_page_exchanges_every_colour_of_a_figure_and_paper_stays_light() {
+    let x = Scale::exact("x", 0.0, 1.0);
+    let map = heat_map("d", x.clone(), x, &[(0..40).map(f64::from).collect()], "µm");
+    let page = page(side_by_side([every_layer(linear, &[[0.0, 1.0], [1.0, 2.0]]), map]));
+    let (rules, rest) = dark(&page);
+    let mut used = std::collections::BTreeSet::new();
+    for property in ["fill", "stroke"] {
+        for part in rest.split(&format!(" {property}=\"#")).skip(1) {
+            used.insert((property, part[..6].to_owned()));
+        }
+    }
+    assert!(used.len() > 20, "{used:?}");
+    for (property, colour) in &used {
+        let rule = format!("svg [{property}='#{colour}'] {{ {property}: #");
+        assert_eq!(rules.matches(&rule).count(), 1, "{rule}");
+    }
+    // No rule of a colour that the page does not have.
+    assert_eq!(rules.matches("svg [").count(), used.len());
+    // A style sheet for the screen alone leaves paper light.
+    assert!(!rest.contains("prefers-color-scheme") && rest.contains("--paper: #fff;"));
 }
 
 #[test]

@@ -20,7 +20,7 @@ const STATUS: readonly (readonly [bit: number, name: string])[] = [
 /** Corrections that can be shown: columns of the rows up to the axis. */
 const SHOWN = [
   ["compensated.correction", "geometry"],
-  ["full.correction", "geometry, full"],
+  ["full.correction", "geometry, everything on"],
   ["full.sent", "dynamic, sent"],
   ["full.feed_forward", "feed-forward wanted"],
   ["full.feedback", "feedback wanted"],

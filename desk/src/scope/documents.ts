@@ -79,8 +79,8 @@ export interface Scenario {
 
 /** Labels of the runs, by their names in the figures. */
 export const KINDS: Record<Kind, { text: string; colour: "before" | "after" | "servo" | "full"; dash?: number[] }> = {
-  uncompensated: { text: "without compensation", colour: "before" },
-  compensated: { text: "with compensation", colour: "after" },
-  servo_only: { text: "perfect geometry", colour: "servo", dash: [6, 3] },
-  full: { text: "full", colour: "full" },
+  uncompensated: { text: "uncorrected", colour: "before" },
+  compensated: { text: "corrected", colour: "after" },
+  servo_only: { text: "servo alone", colour: "servo", dash: [6, 3] },
+  full: { text: "everything on", colour: "full" },
 };

@@ -75,10 +75,10 @@ function counts(run: Result, kept: Result | undefined): HTMLElement {
     ["correction limited / cycles", ...all.map(({ figures }) => whole(figures.limited_cycles))],
     ["stopped by the step", ...all.map(({ figures }) => (figures.stopped ? "yes" : "no"))],
   ];
-  return table("The machine with compensation", ["", ...(kept ? ["A", "B"] : ["run"])], rows);
+  return table("The corrected machine", ["", ...(kept ? ["A", "B"] : ["run"])], rows);
 }
 
 function faults(figures: Figures): HTMLElement {
   const rows = figures.faults.map((fault): Cell[] => [fault.time_s.toFixed(4), fault.fault, fault.axis, String(fault.line), String(fault.cycles)]);
-  return table("Faults that the step reported, with compensation", ["time / s", "fault", "axis", "line", "cycles"], rows);
+  return table("Faults that the step reported, corrected", ["time / s", "fault", "axis", "line", "cycles"], rows);
 }

@@ -31,7 +31,7 @@ pub struct Outcome {
     servo_only: Tallies,
     /// The run with the servo corrected, on a machine with dynamic parts.
     full: Option<Tallies>,
-    /// Latency of the compensated run's steps.
+    /// Latency of the corrected run's steps.
     latency: Latency,
     /// Report of the pacing, if it was requested.
     pace: Option<PaceReport>,
@@ -44,7 +44,7 @@ pub struct Outcome {
 pub struct Timing {
     /// Time a step may take, ns.
     pub budget_ns: u64,
-    /// Whether to time the steps in a further run of the compensated machine, at the real rate.
+    /// Whether to time the steps in a further run of the corrected machine, at the real rate.
     pub paced: bool,
 }
 
@@ -85,7 +85,7 @@ pub fn simulate(
     Ok(Outcome { uncompensated, compensated, servo_only, full, latency, pace, cycles: run.cycles(), wall_s })
 }
 
-/// Runs the compensated machine alone at the real rate and times its steps; the figures must equal those of the original run.
+/// Runs the corrected machine alone at the real rate and times its steps; the figures must equal those of the original run.
 fn pace(scenario: &Arc<Scenario>, budget_ns: u64) -> Result<(Latency, PaceReport, Tallies)> {
     let mut run = Run::of(Arc::clone(scenario), &[Kind::Compensated])?;
     let mut stopwatch = Stopwatch::new(0, scenario, budget_ns);
@@ -145,7 +145,7 @@ impl Outcome {
         Kind::ALL.into_iter().zip(runs.cloned()).collect()
     }
 
-    /// Faults of the compensated run.
+    /// Faults of the corrected run.
     fn faults<'o>(&'o self, scenario: &'o Scenario) -> impl Iterator<Item = ReportedFault> + 'o {
         self.compensated.reported_faults(scenario)
     }

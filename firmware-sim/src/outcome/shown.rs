@@ -7,16 +7,6 @@ use trueaxis_report::number::{count, percent, quantity};
 use trueaxis_sim::Scenario;
 use trueaxis_sim::run::{AngleSize, ErrorSize, Kind, Tallies};
 
-/// Name of a run.
-fn name(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Uncompensated => "without compensation",
-        Kind::Compensated => "with compensation",
-        Kind::ServoOnly => "perfect geometry",
-        _ => "full",
-    }
-}
-
 impl Outcome {
     /// Errors of the runs, cost of the step, faults and remarks; correction and limits of the axes recorded, if any.
     pub fn shown(&self, scenario: &Scenario, axes: &[AxisReport]) -> Shown {
@@ -80,7 +70,7 @@ impl Outcome {
                 place.into(),
             ]
         });
-        Table::new("Faults with compensation", ["fault", "code", "first at, s", "cycles", "where"], rows)
+        Table::new("Faults, corrected", ["fault", "code", "first at, s", "cycles", "where"], rows)
     }
 }
 
@@ -101,7 +91,7 @@ fn contour(runs: &[(Kind, Tallies)]) -> Table {
     let rows = runs.iter().map(|(kind, run)| {
         let [max, rms] = [run.error.max_um, run.error.rms_um];
         let [max_left, rms_left] = [max / first.max_um, rms / first.rms_um].map(|share| Cell::fixed(100.0 * share, 1));
-        vec![name(*kind).into(), Cell::fixed(max, 3), Cell::fixed(rms, 3), max_left, rms_left]
+        vec![kind.words().into(), Cell::fixed(max, 3), Cell::fixed(rms, 3), max_left, rms_left]
     });
     let head = ["", "largest, µm", "RMS, µm", "largest left, %", "RMS left, %"];
     Table::new("True contour error of the tool tip while cutting", head, rows)
@@ -109,25 +99,25 @@ fn contour(runs: &[(Kind, Tallies)]) -> Table {
 
 fn orientation(runs: &[(Kind, Tallies)]) -> Table {
     let rows = runs.iter().map(|(kind, Tallies { orientation: AngleSize { max_urad, rms_urad }, .. })| {
-        vec![name(*kind).into(), Cell::fixed(*max_urad, 2), Cell::fixed(*rms_urad, 2)]
+        vec![kind.words().into(), Cell::fixed(*max_urad, 2), Cell::fixed(*rms_urad, 2)]
     });
     Table::new("True angle of the tool from the programmed direction", ["", "largest, µrad", "RMS, µrad"], rows)
 }
 
-/// Without the perfect machine: the step would report its tables' errors, which that machine does not have.
+/// Without the servo alone: the step would report its tables' errors, which that machine does not have.
 fn reported(runs: &[(Kind, Tallies)]) -> Table {
     let rows = runs.iter().filter(|(kind, _)| *kind != Kind::ServoOnly).map(|(kind, run)| {
         let (tip, angle) = (run.estimated, run.estimated_orientation);
         let tip = [tip.max_um, tip.rms_um].map(|um| Cell::fixed(um, 3));
         let angle = [angle.max_urad, angle.rms_urad].map(|urad| Cell::fixed(urad, 2));
-        std::iter::once(name(*kind).into()).chain(tip).chain(angle).collect()
+        std::iter::once(kind.words().into()).chain(tip).chain(angle).collect()
     });
     let head = ["", "largest, µm", "RMS, µm", "largest, µrad", "RMS, µrad"];
     Table::new("Both as the step itself reports them", head, rows)
 }
 
 fn digests(runs: &[(Kind, Tallies)]) -> Table {
-    let rows = runs.iter().map(|(kind, run)| vec![name(*kind).into(), format!("{:08x}", run.digest).into()]);
+    let rows = runs.iter().map(|(kind, run)| vec![kind.words().into(), format!("{:08x}", run.digest).into()]);
     Table::new("Digest of every output", ["", "CRC-32"], rows)
 }
 

@@ -3,6 +3,7 @@
 use super::{CircleReport, Report, Section};
 use maud::html;
 use trueaxis_report::{Colour, Figure, PolarTrace, colour, decimate, number::quantity, polar_traces, side_by_side};
+use trueaxis_sim::run::Kind;
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 /// Buckets of a curve around the circle.
@@ -10,13 +11,13 @@ const BUCKETS: usize = 700;
 
 pub(super) fn section(report: &Report) -> Option<Section> {
     let circle = report.circle.as_ref()?;
-    let before = curve("without compensation", colour::UNCOMPENSATED, &circle.uncompensated);
-    let compensated = curve("with compensation", colour::COMPENSATED, &circle.compensated);
-    let servo = curve("perfect geometry", colour::SERVO, &circle.servo_only);
-    let full = curve("full", colour::FOURTH, &circle.full);
+    let before = curve(Kind::Uncompensated.words(), colour::UNCOMPENSATED, &circle.uncompensated);
+    let compensated = curve(Kind::Compensated.words(), colour::COMPENSATED, &circle.compensated);
+    let servo = curve(Kind::ServoOnly.words(), colour::SERVO, &circle.servo_only);
+    let full = curve(Kind::Full.words(), colour::FULL, &circle.full);
     let after = if full.is_some() { [compensated.clone(), full.clone()] } else { [servo, compensated.clone()] };
     let figures = [
-        figure(circle, "Before and after.", [before, full.or(compensated)]),
+        figure(circle, "Uncorrected and at its best.", [before, full.or(compensated)]),
         figure(circle, "The small deviations, enlarged.", after),
     ];
     let content = html! { (side_by_side(figures.into_iter().flatten())) };

@@ -86,7 +86,7 @@ fn core(one: &Comparison, period_s: f64) -> Markup {
         apart("correction of X", x, |cycle| cycle.correction[0]),
         apart("correction of Y", y, |cycle| cycle.correction[1]),
         apart("correction of Z", z, |cycle| cycle.correction[2]),
-        apart("contour error of the tip", colour::NEUTRAL, |cycle| found(cycle, cycle.tip)),
+        apart("contour error of the tip", colour::FOURTH, |cycle| found(cycle, cycle.tip)),
     ];
     let nm = scale("difference in nm", &[&differences]);
     html! {

@@ -3,6 +3,7 @@
 use super::{Report, Section};
 use maud::{Markup, html};
 use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, decimate, missing, number::significant};
+use trueaxis_sim::run::Kind;
 
 /// A second figure shows the small curves alone if their maximum is below this share of the largest.
 const ENLARGE_BELOW: f64 = 0.4;
@@ -28,10 +29,10 @@ impl Curve {
 pub(super) fn section(report: &Report) -> Option<Section> {
     let series = &report.contour;
     let curves: Vec<Curve> = [
-        Curve::new("without compensation", colour::UNCOMPENSATED, &series.uncompensated),
-        Curve::new("with compensation", colour::COMPENSATED, &series.compensated),
-        Curve::new("perfect geometry", colour::SERVO, &series.servo_only),
-        Curve::new("full", colour::FOURTH, &series.full),
+        Curve::new(Kind::Uncompensated.words(), colour::UNCOMPENSATED, &series.uncompensated),
+        Curve::new(Kind::Compensated.words(), colour::COMPENSATED, &series.compensated),
+        Curve::new(Kind::ServoOnly.words(), colour::SERVO, &series.servo_only),
+        Curve::new(Kind::Full.words(), colour::FULL, &series.full),
     ]
     .into_iter()
     .flatten()
@@ -60,7 +61,7 @@ fn figure(report: &Report, curves: &[&Curve], all: &[&Curve], caption: &str) -> 
     let names: Vec<&str> = curves.iter().map(|curve| curve.name).collect();
     let mut figure = Figure::full(&format!("{caption} Curves: {}", names.join(", ")), 270, x, y);
     figure.labels_above(report.contour.program_lines.iter().map(|(length, line)| (*length, line.to_string())));
-    // The curve with compensation precedes perfect geometry in the legend, but is drawn on top of it.
+    // The corrected run precedes the servo alone in the legend, but is drawn on top of it.
     for curve in curves.iter().rev() {
         let stroke = Stroke::new(curve.colour, 1.2).opacity(0.85);
         figure.interrupted(&curve.points, &report.contour.breaks, stroke);

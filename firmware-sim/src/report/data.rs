@@ -31,13 +31,13 @@ pub struct Report {
 /// Contour error over the path: `[path length in mm, error in µm]`, without sign.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ContourSeries {
-    /// Machine with its geometric errors, compensation off.
+    /// The machine uncorrected.
     pub uncompensated: Vec<[f64; 2]>,
-    /// Machine with its geometric errors, compensation on.
+    /// The machine corrected.
     pub compensated: Vec<[f64; 2]>,
-    /// A geometrically perfect machine.
+    /// The servo alone: a machine without geometric errors.
     pub servo_only: Vec<[f64; 2]>,
-    /// Geometry and servo corrected; empty for a machine without dynamic parts.
+    /// Everything on; empty for a machine without dynamic parts.
     pub full: Vec<[f64; 2]>,
     /// Path lengths at which the curves are interrupted, ascending, mm: the motion in between was not cutting.
     pub breaks: Vec<f64>,
@@ -48,13 +48,13 @@ pub struct ContourSeries {
 /// Tool direction over the path; the first coordinate is the path length in mm.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct OrientationSeries {
-    /// Angle between the actual and the programmed direction, machine with its geometric errors, compensation off, µrad.
+    /// Angle between the actual and the programmed direction, the machine uncorrected, µrad.
     pub uncompensated: Vec<[f64; 2]>,
-    /// Machine with its geometric errors, compensation on.
+    /// The machine corrected.
     pub compensated: Vec<[f64; 2]>,
-    /// A geometrically perfect machine.
+    /// The servo alone: a machine without geometric errors.
     pub servo_only: Vec<[f64; 2]>,
-    /// Geometry and servo corrected; empty for a machine without dynamic parts.
+    /// Everything on; empty for a machine without dynamic parts.
     pub full: Vec<[f64; 2]>,
     /// Rotary axes by name: commanded position in degrees.
     pub rotary: Vec<(String, Vec<[f64; 2]>)>,
@@ -69,13 +69,13 @@ pub struct CircleReport {
     pub plane: [usize; 2],
     /// Program line.
     pub line: u32,
-    /// Machine with its geometric errors, compensation off.
+    /// The machine uncorrected.
     pub uncompensated: Vec<[f64; 2]>,
-    /// Machine with its geometric errors, compensation on.
+    /// The machine corrected.
     pub compensated: Vec<[f64; 2]>,
-    /// A geometrically perfect machine.
+    /// The servo alone: a machine without geometric errors.
     pub servo_only: Vec<[f64; 2]>,
-    /// Geometry and servo corrected; empty for a machine without dynamic parts.
+    /// Everything on; empty for a machine without dynamic parts.
     pub full: Vec<[f64; 2]>,
 }
 
@@ -112,13 +112,13 @@ pub struct PathPoint {
     pub run: u32,
     /// Programmed position in mm.
     pub nominal_mm: [f64; 3],
-    /// Deviation without compensation in µm.
+    /// Deviation of the uncorrected machine in µm.
     pub uncompensated_um: [f64; 3],
-    /// Deviation with compensation in µm.
+    /// Deviation of the corrected machine in µm.
     pub compensated_um: [f64; 3],
 }
 
-/// Correction of one axis over the compensated run, with its limits.
+/// Correction of one axis over the corrected run, with its limits.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct AxisReport {
     /// Name of the axis, e.g. `X`.

@@ -3,6 +3,7 @@
 use super::{Report, Section, contour::BUCKETS};
 use maud::html;
 use trueaxis_report::{Colour, Figure, Scale, Stroke, colour, decimate, number::quantity};
+use trueaxis_sim::run::Kind;
 
 const LENGTH: &str = "path length in mm (in degrees where nothing but rotary axes moves)";
 
@@ -12,10 +13,10 @@ type Curve = (String, Colour, Vec<[f64; 2]>);
 pub(super) fn section(report: &Report) -> Option<Section> {
     let series = &report.orientation;
     let runs = [
-        ("without compensation", colour::UNCOMPENSATED, &series.uncompensated),
-        ("with compensation", colour::COMPENSATED, &series.compensated),
-        ("perfect geometry", colour::SERVO, &series.servo_only),
-        ("full", colour::FOURTH, &series.full),
+        (Kind::Uncompensated.words(), colour::UNCOMPENSATED, &series.uncompensated),
+        (Kind::Compensated.words(), colour::COMPENSATED, &series.compensated),
+        (Kind::ServoOnly.words(), colour::SERVO, &series.servo_only),
+        (Kind::Full.words(), colour::FULL, &series.full),
     ];
     let error: Vec<Curve> = (runs.into_iter())
         .map(|(name, colour, points)| (name, colour, decimate(points, BUCKETS)))
@@ -28,8 +29,7 @@ pub(super) fn section(report: &Report) -> Option<Section> {
     if error.is_empty() {
         return None;
     }
-    let palette = [colour::NEUTRAL, colour::NOMINAL, colour::LIMIT];
-    let rotary: Vec<Curve> = (series.rotary.iter().zip(palette))
+    let rotary: Vec<Curve> = (series.rotary.iter().zip(colour::ROTARY))
         .map(|((name, points), colour)| (name.clone(), colour, decimate(points, BUCKETS)))
         .filter(|(.., points)| !points.is_empty())
         .collect();

@@ -1,8 +1,9 @@
-//! The programmed path with magnified deviations, before and after.
+//! The programmed path with magnified deviations, uncorrected and corrected.
 
 use super::{PathPoint, Report, Section};
 use maud::html;
 use trueaxis_report::{Deviated, Figure, View, colour, missing, number::drawable, side_by_side, thin};
+use trueaxis_sim::run::Kind;
 
 /// Buckets of the path; each keeps the extremes of four values.
 const BUCKETS: usize = 300;
@@ -43,8 +44,8 @@ fn views(points: &[PathPoint], plane: [usize; 2]) -> Vec<Figure> {
         points.iter().map(|point| plane.map(|axis| value(point)[axis])).collect()
     };
     let deviated = |name, colour, value| Deviated { name, colour, deviation_um: projected(value) };
-    let before = deviated("without compensation", colour::UNCOMPENSATED, |point| point.uncompensated_um);
-    let after = deviated("with compensation", colour::COMPENSATED, |point| point.compensated_um);
+    let before = deviated(Kind::Uncompensated.words(), colour::UNCOMPENSATED, |point| point.uncompensated_um);
+    let after = deviated(Kind::Compensated.words(), colour::COMPENSATED, |point| point.compensated_um);
     let view = |caption, curves| View {
         caption,
         axes: plane.map(|axis| AXES[axis]),
@@ -53,9 +54,9 @@ fn views(points: &[PathPoint], plane: [usize; 2]) -> Vec<Figure> {
         curves,
     };
     let enlarged = after.largest_um() > 0.0 && after.largest_um() < ENLARGE_BELOW * before.largest_um();
-    let mut figures = vec![view("Before and after", vec![before, after.clone()]).figure()];
+    let mut figures = vec![view("Uncorrected and corrected", vec![before, after.clone()]).figure()];
     if enlarged {
-        figures.push(view("With compensation", vec![after]).figure());
+        figures.push(view("Corrected", vec![after]).figure());
     }
     figures
 }

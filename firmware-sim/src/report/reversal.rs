@@ -7,6 +7,7 @@ use trueaxis_report::{
     number::{decimals, quantity},
     side_by_side,
 };
+use trueaxis_sim::run::Kind;
 
 /// Buckets of a curve over half the page.
 const BUCKETS: usize = 420;
@@ -21,8 +22,8 @@ pub(super) fn section(report: &Report) -> Option<Section> {
     let figures = report.reversals.iter().flat_map(|reversal| [parts(reversal), errors(reversal)]);
     let content = html! {
         p {
-            "For each axis, the reversal with the largest contour error in the run with compensation. Left: the dynamic \
-             correction that the full run adds to the command. Right: its effect on the contour error."
+            "For each axis, the reversal with the largest contour error of the corrected run. Left: the dynamic correction \
+             that is added to the command with everything on. Right: its effect on the contour error."
         }
         (side_by_side(figures))
     };
@@ -34,7 +35,7 @@ fn parts(reversal: &ReversalReport) -> Figure {
     let curves = [
         ("sent", colour::NEUTRAL, &reversal.sent),
         ("friction, lag, acceleration", colour::UNCOMPENSATED, &reversal.feed_forward),
-        ("contour feedback", colour::SERVO, &reversal.feedback),
+        ("contour feedback", colour::FULL, &reversal.feedback),
         ("cross-talk", colour::LIMIT, &reversal.crosstalk),
     ];
     // Leaves out a part that the machine does not have.
@@ -48,8 +49,8 @@ fn parts(reversal: &ReversalReport) -> Figure {
 
 fn errors(reversal: &ReversalReport) -> Figure {
     let curves = vec![
-        ("with compensation", colour::COMPENSATED, decimate(&reversal.compensated_um, BUCKETS)),
-        ("full", colour::FOURTH, decimate(&reversal.full_um, BUCKETS)),
+        (Kind::Compensated.words(), colour::COMPENSATED, decimate(&reversal.compensated_um, BUCKETS)),
+        (Kind::Full.words(), colour::FULL, decimate(&reversal.full_um, BUCKETS)),
     ];
     figure(reversal, "contour error in µm", curves)
 }

@@ -133,7 +133,7 @@ fn temperatures(outcome: &Outcome) -> Markup {
         let all: Vec<[f64; 2]> = curves.iter().flatten().copied().collect();
         let x = Scale::linear("hours", all.iter().map(|point| point[0]));
         let y = Scale::linear("°C", all.iter().map(|point| point[1]).collect::<Vec<_>>()).margin(0.05);
-        let colours = [colour::UNCOMPENSATED, colour::COMPENSATED, colour::SERVO, colour::FOURTH, colour::GREY];
+        let colours = [colour::UNCOMPENSATED, colour::COMPENSATED, colour::FULL, colour::FOURTH, colour::GREY];
         let mut figure = Figure::full(&format!("temperatures: {}", names.join(", ")), 200, x, y);
         for ((name, curve), colour) in names.iter().zip(curves).zip(colours) {
             figure.curve(*name, curve, Stroke::new(colour, 1.2));

@@ -137,7 +137,7 @@ impl Series {
         OrientationSeries { uncompensated, compensated, servo_only, full, rotary }
     }
 
-    /// The programmed path and the tip's deviations without and with compensation.
+    /// The programmed path and the tip's deviations, uncorrected and corrected.
     pub fn path(&self) -> Vec<PathPoint> {
         self.path.items()
     }
@@ -152,7 +152,7 @@ impl Series {
         self.reversals.as_ref().map(Reversals::report).unwrap_or_default()
     }
 
-    /// Correction of every axis in the compensated run, with its limits.
+    /// Correction of every axis in the corrected run, with its limits.
     pub fn axes(&self) -> Vec<AxisReport> {
         let report = |axis: &AxisCurves| {
             let limits = CorrectionLimits::of(&axis.settings);

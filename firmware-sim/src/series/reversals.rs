@@ -29,7 +29,7 @@ struct Stretch {
     turned_s: f64,
     line: u32,
     instants: Vec<Instant>,
-    /// Largest error of the compensated run.
+    /// Largest error of the corrected run.
     largest_um: f32,
 }
 

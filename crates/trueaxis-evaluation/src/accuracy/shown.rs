@@ -74,7 +74,7 @@ impl AccuracyDocument {
         if let Some(bands) = &self.uncertainty {
             header.extend([format!("± {} %", shortest(100.0 * bands.coverage)), "from".into(), "to".into()]);
         }
-        header.extend(self.compensated.iter().map(|_| "compensated".to_owned()));
+        header.extend(self.compensated.iter().map(|_| "corrected".to_owned()));
         let rows = FIGURES.iter().zip(NAMES).filter_map(|((symbol, of), name)| {
             let value = of(&self.measured)?;
             let mut row = vec![name.into()];
@@ -105,7 +105,7 @@ pub fn of_tables(machine: &Machine) -> Table {
         std::iter::once(name.into()).chain(axes.iter().map(|own| Cell::fixed(of(own), 2))).collect()
     });
     Table::new(
-        "The tables themselves, uncompensated, without scatter",
+        "The tables themselves, uncorrected, without scatter",
         std::iter::once("figure".to_owned()).chain(header),
         rows,
     )

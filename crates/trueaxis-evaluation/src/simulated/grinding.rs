@@ -1,4 +1,4 @@
-//! Tables and plots of a pin ground without and with correction.
+//! Tables and plots of a pin ground uncorrected and corrected.
 
 use crate::shown::{Cell, Curve, Plot, Shown, Table};
 use trueaxis::roundness::{ErrorMotion, GaugeFlags};
@@ -7,7 +7,7 @@ use trueaxis_sim::SimError;
 use trueaxis_sim::grinding::{Grinding, Outcome, Revolution, Run};
 
 /// Names of the two runs.
-const RUNS: [&str; 2] = ["without correction", "with correction"];
+pub const RUNS: [&str; 2] = ["uncorrected", "corrected"];
 
 /// Both runs revolution by revolution, and the motion of the pin's centre.
 ///
@@ -43,7 +43,7 @@ pub fn shown(grinding: &Grinding, outcome: &Outcome) -> Result<Shown, SimError> 
         title: "Grinding a crankpin".into(),
         summary: summary.into_iter().chain(infeed).collect(),
         result: format!(
-            "With correction {} % of the synchronous imprint remains: {} instead of {}.",
+            "Corrected, {} % of the synchronous imprint remains: {} instead of {}.",
             significant(100.0 * outcome.imprint_ratio(), 2),
             quantity(after.imprint_um, "µm"),
             quantity(before.imprint_um, "µm")
@@ -55,7 +55,7 @@ pub fn shown(grinding: &Grinding, outcome: &Outcome) -> Result<Shown, SimError> 
     })
 }
 
-/// Roundness and imprint after every revolution, without and with correction; for runs that have not ended, as far as they are.
+/// Roundness and imprint after every revolution, uncorrected and corrected; for runs that have not ended, as far as they are.
 pub fn plots([before, after]: [&[Revolution]; 2]) -> [Plot; 2] {
     let longest = before.len().max(after.len());
     let plot = |title: &str, y, caption, value: fn(&Revolution) -> f64| {
@@ -122,5 +122,5 @@ fn motions(outcome: &Outcome) -> Table {
     let gauge = measured.iter().flat_map(|of| [row("X, gauge", &of.x), row("Y, gauge", &of.y)]);
     let rows = [row("X, true", x), row("Y, true", y)].into_iter().chain(gauge);
     let head = ["", "synchronous, µm", "asynchronous, µm", "once per revolution, µm"];
-    Table::new("Error motion of the pin's centre, with correction", head, rows)
+    Table::new("Error motion of the pin's centre, corrected", head, rows)
 }

@@ -27,7 +27,9 @@ pub fn residuals(found: &FittedRecording, axis: Axis) -> Figure {
     let mut figure = Figure::full(&format!("residuals of {letter}"), 200, x, y);
     figure
         .dots(fitted, colour::GREY)
-        .dots(held_out, colour::SERVO)
-        .caption(format!("Residuals of E{letter} at every measuring point; green: held-out cycles."));
+        .dots(held_out, colour::FULL)
+        .area_key("cycles of the fit", colour::GREY)
+        .area_key("held-out cycles", colour::FULL)
+        .caption(format!("Residuals of E{letter} at every measuring point."));
     figure
 }

@@ -63,7 +63,7 @@ impl<T> RunDocument<T> {
 /// reversals alone come to a quarter of it.
 const HELD_BACK: f64 = 0.01;
 
-/// Remarks on the compensated and the full run of `cycles`, as far as they are among the machines.
+/// Remarks on the corrected run and the one with everything on, of `cycles`, as far as they are among the machines.
 pub fn notes(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> Vec<String> {
     let of = |kind| machines.iter().find(|(own, _)| *own == kind).map(|(_, tallies)| tallies);
     let (compensated, full) = (of(Kind::Compensated), of(Kind::Full));
@@ -72,7 +72,7 @@ pub fn notes(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> 
         notes.push(Warning::NoErrorsStated.to_string());
     }
     if compensated.is_some_and(|compensated| compensated.stopped) {
-        notes.push("a stop request ended the compensated run".into());
+        notes.push("a stop request ended the corrected run".into());
     }
     let clipped = compensated.map(|compensated| compensated.clipped.notes(&scenario.machine.settings, "cycle"));
     let before = notes.len();
@@ -86,7 +86,7 @@ pub fn notes(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> 
         ));
     }
     let refused = full.and_then(|_| feedback_refused(&scenario.machine.settings, scenario.period_s()));
-    notes.extend(refused.map(|why| format!("the full run has no contour feedback: {why}")));
+    notes.extend(refused.map(|why| format!("everything on: the run has no contour feedback: {why}")));
     let withdrawn = full.into_iter().flat_map(|full| &full.withdrawn);
     notes.extend(withdrawn.map(|withdrawn| withdrawn.note(scenario.period_s())));
     notes.extend(full.zip(compensated).and_then(|(full, compensated)| note_of_full(full, compensated)));
@@ -99,14 +99,18 @@ pub fn notes(scenario: &Scenario, cycles: u64, machines: &[(Kind, Tallies)]) -> 
     notes
 }
 
-/// A note if the full run was stopped and the compensated one was not, or if their faults differ.
+/// A note if the run with everything on was stopped and the corrected one was not, or if their faults differ.
 fn note_of_full(full: &Tallies, compensated: &Tallies) -> Option<String> {
     if full.stopped && !compensated.stopped {
-        return Some("a stop request ended the full run".into());
+        return Some("a stop request ended the run with everything on".into());
     }
     let (in_full, in_compensated) = (full.fault_cycles(), compensated.fault_cycles());
     (in_full != in_compensated).then(|| {
         let counted = |cycles| counted(cycles as usize, "cycle");
-        format!("faults in {} of the full run, in {} of the compensated one", counted(in_full), counted(in_compensated))
+        format!(
+            "faults in {} with everything on, in {} of the corrected run",
+            counted(in_full),
+            counted(in_compensated)
+        )
     })
 }

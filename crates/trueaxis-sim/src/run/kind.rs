@@ -14,7 +14,7 @@ pub enum Kind {
     Uncompensated,
     /// The plugin enabled, its dynamic parts off: geometry alone.
     Compensated,
-    /// A machine with perfect geometry and no lost motion: the error of the servo alone.
+    /// A machine without geometric errors and lost motion: the error of the servo alone.
     ServoOnly,
     /// All parts of the plugin: the volumetric model if the chain permits it, friction, lag and acceleration feed-forward,
     /// contour feedback and cross-talk as far as the machine states them.
@@ -69,6 +69,17 @@ impl Kind {
             Kind::ServoOnly => "servo_only",
             Kind::Full => "full",
             Kind::Configured => "configured",
+        }
+    }
+
+    /// Name for readers, the same in every output.
+    pub fn words(self) -> &'static str {
+        match self {
+            Kind::Uncompensated => "uncorrected",
+            Kind::Compensated => "corrected",
+            Kind::ServoOnly => "servo alone",
+            Kind::Full => "everything on",
+            Kind::Configured => "as configured",
         }
     }
 

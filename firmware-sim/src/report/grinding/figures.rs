@@ -3,6 +3,7 @@
 use crate::grinding::{Grinding, Harmonic, Outcome, Run};
 use maud::Markup;
 use std::f64::consts::TAU;
+use trueaxis_evaluation::simulated::grinding::RUNS;
 use trueaxis_report::{
     Colour, Figure, Scale, Stroke, colour,
     number::{count, quantity, round_down},
@@ -16,10 +17,7 @@ const DRAWN: usize = 2048;
 
 /// Name, colour and data of both runs.
 fn both(outcome: &Outcome) -> [(&'static str, Colour, &Run); 2] {
-    [
-        ("without correction", colour::UNCOMPENSATED, &outcome.uncorrected),
-        ("with correction", colour::COMPENSATED, &outcome.corrected),
-    ]
+    [(RUNS[0], colour::UNCOMPENSATED, &outcome.uncorrected), (RUNS[1], colour::COMPENSATED, &outcome.corrected)]
 }
 
 /// Number of the first corrected harmonic.
@@ -37,7 +35,7 @@ pub(super) fn surfaces(grinding: &Grinding, outcome: &Outcome) -> Markup {
     let [(without, orange, _), (with, blue, _)] = both(outcome);
     let on: Surface<'_> = (with, blue, on);
     side_by_side([
-        surface(pin_mm, &[("before grinding", colour::NEUTRAL, rough), (without, orange, off), on]),
+        surface(pin_mm, &[("before grinding", colour::FOURTH, rough), (without, orange, off), on]),
         surface(pin_mm, &[on]),
     ])
 }
@@ -80,7 +78,7 @@ pub(super) fn harmonics(grinding: &Grinding, outcome: &Outcome) -> Figure {
     let values = both(outcome).into_iter().flat_map(|(.., run)| amplitudes(run)).map(|point| point[1]);
     let y = Scale::decades("amplitude in µm", values);
     let x = Scale::exact("undulations per revolution", first as f64 - 0.6, last as f64 - 0.4).ticks(24);
-    let description = "amplitudes of the surface's harmonics without and with correction";
+    let description = "amplitudes of the surface's harmonics, uncorrected and corrected";
     let mut figure = Figure::full(description, 270, x, y);
     for ((name, colour, run), reach) in both(outcome).into_iter().zip([[-0.38, -0.02], [0.02, 0.38]]) {
         figure.columns(amplitudes(run), reach, colour).area_key(name, colour);
@@ -108,7 +106,7 @@ pub(super) fn correction(grinding: &Grinding, outcome: &Outcome) -> Figure {
     let mut figure = Figure::full("infeed correction over the angle of the surface", 250, x, y);
     let wide = Stroke::new(colour::UNCOMPENSATED, 3.0).opacity(0.45);
     figure
-        .curve("deviation of the surface without correction", deviation, wide)
+        .curve("deviation of the uncorrected surface", deviation, wide)
         .curve("correction learned by the gauge", fed, Stroke::new(colour::COMPENSATED, 1.4))
         .caption("Where the surface would be high, the wheel is fed in further.");
     figure
@@ -143,7 +141,7 @@ pub(super) fn orbits(outcome: &Outcome) -> Markup {
         let (truth, seen) = (centred(&outcome.orbit, first_too), centred(&seen, first_too));
         let scale = |caption| Scale::symmetric(caption, truth.iter().chain(&seen).flatten().copied());
         let mut figure = Figure::square(caption, scale("R_X in µm"), scale("R_Y in µm"));
-        let wide = Stroke::new(colour::NEUTRAL, 3.0).opacity(0.45);
+        let wide = Stroke::new(colour::FOURTH, 3.0).opacity(0.45);
         figure
             .curve("true, mean revolution", truth, wide)
             .curve("gauge, latest revolution", seen, Stroke::new(colour::COMPENSATED, 1.2))
