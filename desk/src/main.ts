@@ -4,9 +4,9 @@ import { XzReadableStream } from "xz-decompress";
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
 import { Bench } from "./core/bench";
-import { message, type Desk, type Program, type View } from "./core/desk";
+import { message, undo, type Desk, type Program, type View } from "./core/desk";
 import { button, choice, el } from "./core/dom";
-import { picker, save, text } from "./core/files";
+import { archive, picker, plain, save, text } from "./core/files";
 import { fromLink, link, parse, type SavedPage } from "./core/link";
 import { MachineStore } from "./core/machine";
 import { setTheme, type Theme } from "./core/theme";
@@ -136,9 +136,18 @@ async function start(): Promise<void> {
     }
   }
 
+  const machineName = el("span", { role: "status" });
+  const back = button("Undo", () => undo(desk));
+  const files = () => Object.fromEntries(Object.entries(machine.files).map(([name, content]) => [plain(name), content]));
+  part("machine").append(machineName, back, button("Save machine", () => save(`${machine.name}.zip`, archive(files()), "application/zip")));
   machine.subscribe(() => {
-    const { name, changed } = machine;
-    part("machine").textContent = changed.length === 0 ? `Machine ${name}, as opened` : `Machine ${name}, changed since it was opened: ${changed.join(", ")}`;
+    const { name, changes, changed, undoable } = machine;
+    const many = changes === 1 ? "1 change" : `${changes} changes`;
+    machineName.textContent = changes === 0 ? `Machine ${name}, as opened` : `Machine ${name}, ${many} since it was opened`;
+    machineName.title = changed.length === 0 ? "" : `Changed: ${changed.join(", ")}`;
+    // Not `disabled`, which would lose the keyboard focus.
+    back.setAttribute("aria-disabled", String(undoable === undefined));
+    back.title = undoable === undefined ? "Nothing to undo" : `Undo: ${undoable}`;
   });
   const tabs = part("tabs");
   part("groups").append(...navigation.buttons);
@@ -165,7 +174,7 @@ async function start(): Promise<void> {
     // Refused files leave the state unchanged.
     await bench.call("machine_open", JSON.stringify(state.machine.files));
     desk.clear();
-    machine.set(state.machine.name, state.machine.files, true);
+    machine.open(state.machine.name, state.machine.files);
     for (const one of shown) {
       if (!(one.view.id in state.views)) continue;
       // A view is built while it is visible, because plots need its width.
@@ -182,7 +191,7 @@ async function start(): Promise<void> {
 
   tools(part("tools"), desk, kept, open);
   const sample = JSON.parse(await bench.call("machine_sample", "mill-3axis")) as Record<string, string>;
-  machine.set("mill-3axis", sample);
+  machine.open("mill-3axis", sample);
   try {
     const given = await fromLink(location.hash);
     if (given) await open(given);

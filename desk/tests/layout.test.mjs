@@ -45,6 +45,24 @@ test("the header is one row at 1024 px, and the run's controls come first at eve
   }
 });
 
+test("machine, changes, undo and save stay in sight", async () => {
+  for (const width of [1440, 1024, 390]) {
+    const { page, close } = await openDesk({ width });
+    const machine = page.getByRole("group", { name: "Machine", exact: true });
+    for (const name of ["Servo scope", "Machine"]) {
+      await view(page, name);
+      await page.evaluate(() => scrollTo(0, document.documentElement.scrollHeight));
+      for (const part of [machine.getByText("Machine mill-3axis, as opened"), machine.getByRole("button", { name: "Undo" }), machine.getByRole("button", { name: "Save machine" })]) {
+        const { x, y, width: wide, height } = await part.boundingBox();
+        assert.ok(y >= 0 && y + height <= 120 && x >= 0 && x + wide <= width, `${width} px, ${name}: ${await part.textContent()} at ${x}, ${y}`);
+        const hit = await part.evaluate((one, [x, y]) => one.contains(document.elementFromPoint(x, y)), [x + wide / 2, y + height / 2]);
+        assert.ok(hit, `${width} px, ${name}: ${await part.textContent()} is covered`);
+      }
+    }
+    await close();
+  }
+});
+
 test("on a phone a finger hits every control, and a view is one column", async () => {
   const { page, close } = await openDesk({ width: 390 });
   for (const name of VIEWS) {

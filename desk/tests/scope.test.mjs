@@ -116,7 +116,7 @@ test("acts in motion run again by the printed command", async () => {
   await panel.getByRole("button", { name: "Run", exact: true }).click();
   await state(panel, "done");
   assert.equal(await panel.getByRole("button", { name: "Friction", exact: true }).getAttribute("aria-pressed"), "false");
-  assert.match(await panel.getByRole("table", { name: /^Faults that the step reported/ }).textContent(), /0\.400\d.*FeedbackNotFinite.*Y/);
+  assert.match(await panel.getByRole("table", { name: /^Faults that the step reported/ }).textContent(), /0\.400\d.*Y encoder not a number FeedbackNotFinite/);
 
   const document = await reproduced(page, panel);
   const first = await figures(panel);

@@ -47,7 +47,7 @@ export class Calibrate extends Probing {
       this.desk.clear();
       this.solved.textContent = [`${log.name}: ${found.touches} touches on ${found.machine}.`, ...found.notes].join(" ");
       this.results.show(found);
-      this.into.show({ ...found.becomes, ...(this.own ? { name: found.machine } : {}) });
+      this.into.show({ ...found.becomes, ...(this.own ? { own: { name: found.machine, files: this.own } } : {}) });
       this.into.root.hidden = false;
     } catch (error) {
       if (!this.isLatest(turn)) return;

@@ -217,7 +217,7 @@ export abstract class Probing {
     this.planned = planned;
     this.refused.hidden = true;
     const { machine, touches, minutes, rank, condition, warnings } = planned.foreseen;
-    const network = rank === undefined ? "." : ` without set-ups. Rank ${rank}, condition ${significant(condition ?? 0, 2)}.`;
+    const network = rank === undefined ? "." : ` without set-ups. Rank ${rank}, condition ${significant(condition ?? NaN, 2)}.`;
     this.about.textContent = [`${machine}: ${touches} touches, about ${Math.ceil(minutes)} ${Math.ceil(minutes) === 1 ? "minute" : "minutes"}${network}`, ...planned.notes].join(" ");
     this.expected.replaceChildren(tabled(planned.expected), notes("Notes", warnings ?? []));
   }

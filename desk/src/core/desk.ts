@@ -48,3 +48,14 @@ export interface Desk {
 export function message(error: unknown): string {
   return error instanceof Error ? error.message : String(error);
 }
+
+/** Takes the last change of the machine back. */
+export function undo({ machine, note }: Desk): void {
+  const what = machine.undo();
+  if (what !== undefined) note(`${what}: undone`);
+}
+
+export function redo({ machine, note }: Desk): void {
+  const what = machine.redo();
+  if (what !== undefined) note(`${what}: redone`);
+}

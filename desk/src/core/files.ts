@@ -1,5 +1,7 @@
 // Dropped, picked and saved files. Nothing leaves the page.
 
+import { strToU8, zipSync } from "fflate";
+
 /** A file from the user: its path within the dropped folder, and its bytes. */
 export interface Given {
   path: string;
@@ -114,4 +116,16 @@ export function save(name: string, content: string | Uint8Array<ArrayBuffer>, ty
   nextDownload = at + BETWEEN_DOWNLOADS_MS;
   setTimeout(() => link.click(), at - now);
   setTimeout(() => URL.revokeObjectURL(url), at - now + 120_000);
+}
+
+/** The earliest date that an archive can contain; a fixed one makes archives of equal files equal. */
+const DATE = new Date(1980, 0, 1);
+
+export function archive(files: Record<string, string>): Uint8Array<ArrayBuffer> {
+  return zipSync(Object.fromEntries(Object.entries(files).map(([path, text]) => [path, strToU8(text)])), { mtime: DATE });
+}
+
+/** Name of a machine's file outside its folder. */
+export function plain(file: string): string {
+  return file.replaceAll("../", "").replaceAll("/", "-");
 }

@@ -25,6 +25,14 @@ export function shown(value: number, digits = 3): { text: string; value: number 
   return { text: significant(value, digits), value };
 }
 
+/** A value rounded to the place of the second digit of its expanded uncertainty, or to four digits if that is not known. */
+export function asFarAs(value: number, half: number): string {
+  if (!(half > 0 && Number.isFinite(half))) return significant(value, 4);
+  const decimals = 1 - Math.floor(Math.log10(Number(half.toPrecision(2))));
+  const place = 10 ** -decimals;
+  return decimals >= 0 ? fixed(value, Math.min(decimals, 12)) : fixed(Math.round(value / place) * place, 0);
+}
+
 function minus(text: string): string {
   return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
 }

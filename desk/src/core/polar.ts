@@ -20,6 +20,12 @@ const REACH = 62;
 /** Angles further apart than this are not joined, degrees. */
 const GAP = 5;
 
+/** Angle between two directions, degrees. */
+function between(one: number, other: number): number {
+  const apart = Math.abs(one - other) % 360;
+  return Math.min(apart, 360 - apart);
+}
+
 /** An element of a drawing. */
 export function draw<K extends keyof SVGElementTagNameMap>(name: K, attributes: Record<string, string | number>, text = ""): SVGElementTagNameMap[K] {
   const element = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -89,11 +95,11 @@ export class Polar {
     const parts: string[] = [];
     angle_deg.forEach((angle, i) => {
       const [x, y] = this.place(angle, value_um[i]!);
-      const joined = i > 0 && Math.abs(angle - angle_deg[i - 1]!) < GAP;
+      const joined = i > 0 && between(angle, angle_deg[i - 1]!) < GAP;
       parts.push(`${joined ? "L" : "M"}${x.toFixed(2)} ${y.toFixed(2)}`);
     });
     const [first, last] = [angle_deg[0], angle_deg.at(-1)];
-    if (first !== undefined && last !== undefined && 360 - Math.abs(last - first) < GAP) {
+    if (first !== undefined && last !== undefined && between(first, last) < GAP) {
       const [x, y] = this.place(first, value_um[0]!);
       parts.push(`L${x.toFixed(2)} ${y.toFixed(2)}`);
     }
@@ -121,9 +127,9 @@ export class Polar {
   private near({ angle_deg, value_um }: PolarSeries, angle: number): number | null {
     let best = 0;
     angle_deg.forEach((one, i) => {
-      if (Math.abs(one - angle) < Math.abs(angle_deg[best]! - angle)) best = i;
+      if (between(one, angle) < between(angle_deg[best]!, angle)) best = i;
     });
-    return Math.abs((angle_deg[best] ?? Infinity) - angle) < 1 ? value_um[best]! : null;
+    return between(angle_deg[best] ?? NaN, angle) < 1 ? value_um[best]! : null;
   }
 
   private key(event: KeyboardEvent): void {

@@ -168,7 +168,7 @@ export class Friction {
   private async merge(): Promise<void> {
     if (!this.found) return;
     const { changes, notes } = await this.work.merge();
-    if (changes) this.desk.note(`Friction put into ${this.desk.machine.name}: every view uses it now. Export it in the view Machine.`);
+    if (changes) this.desk.note(`Friction put into ${this.desk.machine.name}: every view uses it now. Undo, above, takes it back; Save machine exports it.`);
     const done = changes ? `In ${this.desk.machine.name}'s machine.toml now.` : `Nothing of ${this.desk.machine.name} changes.`;
     this.status.textContent = [done, ...notes].join(" ");
   }

@@ -72,7 +72,7 @@ export class Work {
   async merge(): Promise<Becomes> {
     const { runs, machine } = this.desk;
     const becomes = JSON.parse(await runs.call("friction_becomes", machine.json)) as Becomes;
-    if (becomes.changes) await adopt(this.desk, becomes.files);
+    if (becomes.changes) await adopt(this.desk, becomes.files, { what: "Friction found" });
     return becomes;
   }
 }

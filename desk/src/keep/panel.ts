@@ -7,7 +7,7 @@ import machine from "../../../records/probing/mill/machine.toml";
 import { Probing, type ViewState as Task, type Log } from "../calibrate/probing";
 import type { Desk } from "../core/desk";
 import { button, el, section, textField, tick, warnings } from "../core/dom";
-import { save } from "../core/files";
+import { plain, save } from "../core/files";
 import { clearest } from "../core/sentence";
 import { word } from "../core/shell";
 import { Sentence, showTables, tabled } from "../core/shown";
@@ -102,7 +102,7 @@ export class Keep extends Probing {
       this.show(evaluated);
       const { becomes } = evaluated;
       this.into.root.hidden = !becomes;
-      if (becomes) this.into.show({ ...becomes, ...(this.own ? { name: machine } : {}) });
+      if (becomes) this.into.show({ ...becomes, ...(this.own ? { own: { name: machine, files: this.own } } : {}) });
     } catch (error) {
       if (this.isLatest(turn) && this.log === log) this.fails(log, error);
     }
@@ -121,7 +121,7 @@ export class Keep extends Probing {
     sentence.set(clearest(shown));
     // With updates, applying them below also enters them in the history.
     const enter = becomes || refusal ? [] : [button("Enter it in the history", () => this.enter(), { class: "primary" })];
-    const saves = written.map(([name, content]) => button(`Save ${name}`, () => save(name.replaceAll("../", "").replaceAll("/", "-"), content)));
+    const saves = written.map(([name, content]) => button(`Save ${name}`, () => save(plain(name), content)));
     this.results.replaceChildren(
       sentence.root,
       section("Re-probing", figures),
@@ -133,6 +133,13 @@ export class Keep extends Probing {
   /** Enters the re-probing in the history: the next log is compared with it. */
   private enter(): void {
     if (!this.evaluated) return;
+    const { history, log, own } = this;
+    // Undo takes the entry out of the history too.
+    this.into.whenUndone = () => {
+      [this.history, this.log, this.own] = [history, log, own];
+      this.entered = false;
+      void this.work();
+    };
     this.history = this.evaluated.history;
     const { entry } = this.evaluated;
     // The updated machine is now the one shown.

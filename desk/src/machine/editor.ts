@@ -1,26 +1,17 @@
-// The machine being edited: its files, the module's description of them, and the undo history.
+// The machine being edited: its files, the module's description of them, and its changes in their order.
 
-import type { Desk } from "../core/desk";
-import type { Files } from "../core/machine";
+import { redo, undo, type Desk } from "../core/desk";
+import type { Change as Step, Files } from "../core/machine";
 import type { Change, Shown } from "./document";
-
-interface Step {
-  name: string;
-  files: Files;
-  what: string;
-}
 
 /** Changes of one gesture within this time are one undo step, ms. */
 const GESTURE_MS = 1500;
-const MOST_STEPS = 200;
 
 export class Editor {
   shown: Shown | undefined;
   rate_hz = 10_000;
   /** Feed of all axes per minute; 0: the top feed of each. */
   feed_per_min = 0;
-  private readonly back: Step[] = [];
-  private readonly forth: Step[] = [];
   private readonly listeners = new Set<() => void>();
   private readonly waiting = new Map<string, () => Promise<void>>();
   private last = { key: "", at: 0 };
@@ -31,8 +22,8 @@ export class Editor {
   constructor(readonly desk: Desk) {
     desk.machine.subscribe(() => {
       if (desk.machine.json === this.json) return;
-      // Another view, a link or a file has loaded another machine.
-      this.back.length = this.forth.length = 0;
+      // Another view, a link or a file has loaded another machine, or a change has been undone.
+      this.last.key = "";
       void this.refresh();
     });
   }
@@ -44,14 +35,6 @@ export class Editor {
   /** Whether nothing is queued, so that the module's latest response is current. */
   get settled(): boolean {
     return this.waiting.size === 0;
-  }
-
-  get undoable(): string | undefined {
-    return this.back.at(-1)?.what;
-  }
-
-  get redoable(): string | undefined {
-    return this.forth.at(-1)?.what;
   }
 
   /** Evaluates the machine again after a change of rate or feed, or as it was loaded. */
@@ -79,52 +62,36 @@ export class Editor {
     return this.queue("load", () => this.take(name, files, what, ""));
   }
 
+  /** After the changes that are queued; the subscription to the machine evaluates it again. */
   undo(): Promise<void> {
-    return this.queue("", () => this.exchange(this.back, this.forth, "undone"));
+    return this.queue("", async () => undo(this.desk));
   }
 
   redo(): Promise<void> {
-    return this.queue("", () => this.exchange(this.forth, this.back, "redone"));
-  }
-
-  private async exchange(from: Step[], to: Step[], done: string): Promise<void> {
-    const step = from.at(-1);
-    if (!step) return;
-    const { machine } = this.desk;
-    const now = { name: machine.name, files: machine.files, what: step.what };
-    await this.put(step.name, step.files);
-    from.pop();
-    to.push(now);
-    this.last.key = "";
-    this.notify();
-    this.desk.note(`${step.what}: ${done}`);
+    return this.queue("", async () => redo(this.desk));
   }
 
   private async take(name: string, files: Files, what: string, key: string): Promise<void> {
     const { machine } = this.desk;
-    const before = { name: machine.name, files: machine.files, what };
     if (JSON.stringify(files) === machine.json && name === machine.name) {
       this.notify();
       return;
     }
-    await this.put(name, files);
     const now = performance.now();
-    const same = key !== "" && key === this.last.key && now - this.last.at < GESTURE_MS;
-    this.last = { key, at: now };
-    if (!same) this.back.push(before);
-    if (this.back.length > MOST_STEPS) this.back.shift();
-    this.forth.length = 0;
+    const joined = key !== "" && key === this.last.key && now - this.last.at < GESTURE_MS;
+    await this.put(name, files, { what, joined });
+    this.last = { key, at: performance.now() };
     this.notify();
     this.desk.note(what);
   }
 
   /** Makes the files the desk's machine, once the module has read them. */
-  private async put(name: string, files: Files): Promise<void> {
+  private async put(name: string, files: Files, step: Step): Promise<void> {
     const json = JSON.stringify(files);
     const shown = await this.evaluate(json);
     this.json = json;
     this.shown = shown;
-    this.desk.machine.set(name, files);
+    this.desk.machine.set(name, files, step);
   }
 
   private async evaluate(json: string): Promise<Shown> {

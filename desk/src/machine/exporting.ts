@@ -2,7 +2,7 @@
 
 import type { Desk } from "../core/desk";
 import { button, commandLine, el, section } from "../core/dom";
-import { save } from "../core/files";
+import { plain, save } from "../core/files";
 import { word } from "../core/shell";
 import type { Editor } from "./editor";
 
@@ -11,7 +11,7 @@ export function exporting(desk: Desk, editor: Editor): HTMLElement {
   const check = commandLine("As on the command line, with the files saved");
   const compile = commandLine("compiled");
   const accuracy = commandLine("accuracy");
-  const one = (name: string) => save(name.replaceAll("../", "").replaceAll("/", "-"), desk.machine.files[name] ?? "", name.endsWith(".csv") ? "text/csv;charset=utf-8" : undefined);
+  const one = (name: string) => save(plain(name), desk.machine.files[name] ?? "", name.endsWith(".csv") ? "text/csv;charset=utf-8" : undefined);
 
   const tcomp = async () => {
     const bytes = await desk.bench.call("machine_to_tcomp", desk.machine.json, editor.rate_hz);

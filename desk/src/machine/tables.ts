@@ -99,8 +99,8 @@ export class Tables {
 
   private steps(): void {
     for (const [control, name, what] of [
-      [this.undo, "Undo", this.editor.undoable],
-      [this.redo, "Redo", this.editor.redoable],
+      [this.undo, "Undo", this.desk.machine.undoable],
+      [this.redo, "Redo", this.desk.machine.redoable],
     ] as const) {
       // Not `disabled`, which would lose the keyboard focus.
       control.setAttribute("aria-disabled", String(what === undefined));

@@ -3,10 +3,10 @@
 import { button, choice, el, group, numberField, type Field } from "../core/dom";
 import { fixed } from "../core/number";
 import { time } from "./times";
+import { actInWords, injected, SWITCHES } from "./words";
 
 /** A fault as requested. */
 interface FaultKind {
-  text: string;
   axis: boolean;
   /** Name and initial value of its parameter; the unit follows the axis. */
   value?: { label: string; first: number; plain?: boolean };
@@ -14,26 +14,15 @@ interface FaultKind {
 }
 
 const FAULTS: Record<string, FaultKind> = {
-  dropout: { text: "reading missing", axis: true, cycles: 3 },
-  glitch: { text: "reading off", axis: true, value: { label: "By", first: 5 }, cycles: 1 },
-  stuck: { text: "reading stuck", axis: true, cycles: 500 },
-  scale: { text: "reading of wrong scale", axis: true, value: { label: "Times", first: -1, plain: true }, cycles: 20000 },
-  late: { text: "cycle late", axis: false, value: { label: "Periods", first: 2.5, plain: true }, cycles: 1 },
-  "nan-command": { text: "command not a number", axis: true, cycles: 1 },
-  "jump-command": { text: "command jumps", axis: true, value: { label: "By", first: 3 }, cycles: 1 },
+  dropout: { axis: true, cycles: 3 },
+  glitch: { axis: true, value: { label: "By", first: 5 }, cycles: 1 },
+  stuck: { axis: true, cycles: 500 },
+  scale: { axis: true, value: { label: "Times", first: -1, plain: true }, cycles: 20000 },
+  late: { axis: false, value: { label: "Periods", first: 2.5, plain: true }, cycles: 1 },
+  "nan-command": { axis: true, cycles: 1 },
+  "jump-command": { axis: true, value: { label: "By", first: 3 }, cycles: 1 },
 };
 
-/** Parts that can be switched, by their names in the scenario file. */
-const SWITCHES: readonly (readonly [string, string])[] = [
-  ["correction", "Correction"],
-  ["friction", "Friction"],
-  ["lag", "Lag"],
-  ["acceleration", "Acceleration"],
-  ["feedback", "Contour feedback"],
-  ["take-up", "Take-up"],
-  ["crosstalk", "Cross-talk"],
-  ["trial", "On trial"],
-];
 /** Whether a switch is on before the first act on it. */
 const isOnAtFirst = (name: string): boolean => name !== "trial";
 
@@ -60,7 +49,7 @@ export class Acts {
   ) {
     this.when = el("input", { id: "scope-when", type: "number", min: 0, step: "any", placeholder: "now" });
     const when = el("div", { class: "field" }, el("label", { for: "scope-when" }, "Acts at / s (empty: now)"), this.when);
-    const kinds = Object.entries(FAULTS).map(([key, { text }]) => [key, text] as const);
+    const kinds = Object.keys(FAULTS).map((key) => [key, injected(key)] as const);
     const cycles = numberField({ label: "For / cycles", value: FAULTS.dropout!.cycles, min: 1, step: 1 }, () => {});
     const kind = choice("Fault", kinds, "dropout", (key) => this.kind(key, cycles));
     this.axis = choice("Axis", [["X", "X"], ["Y", "Y"], ["Z", "Z"]], "X", () => this.kind(kind.value, cycles, true));
@@ -110,11 +99,11 @@ export class Acts {
     const key = JSON.stringify([acts, timed.map(({ at }) => at <= now_s)]);
     if (this.list.dataset.key === key) return;
     this.list.dataset.key = key;
-    const head = el("tr", {}, ...["time / s", "act", "", ""].map((name) => el("th", { scope: "col" }, name)));
+    const head = el("tr", {}, ...["time / s", "act", "in a scenario", "", ""].map((name) => el("th", { scope: "col" }, name)));
     const rows = timed.map(({ act, at }) =>
-      el("tr", {}, el("td", { class: "number" }, fixed(at, 4)), el("td", {}, el("code", {}, act)), el("td", {}, at <= now_s ? "done" : "pending"), el("td", {}, button("Remove", () => this.host.remove(act), { "aria-label": `Remove ${act}` }))),
+      el("tr", {}, el("td", { class: "number" }, fixed(at, 4)), el("td", {}, actInWords(act)), el("td", {}, el("code", {}, act)), el("td", {}, at <= now_s ? "done" : "pending"), el("td", {}, button("Remove", () => this.host.remove(act), { "aria-label": `Remove ${act}` }))),
     );
-    const none = el("tr", {}, el("td", { colspan: 4 }, "none yet: every act here is part of the scenario and is repeated after Restart"));
+    const none = el("tr", {}, el("td", { colspan: 5 }, "none yet: every act here is part of the scenario and is repeated after Restart"));
     this.list.replaceChildren(el("table", {}, el("caption", {}, "Acts in motion"), el("thead", {}, head), el("tbody", {}, ...(rows.length > 0 ? rows : [none]))));
   }
 

@@ -5,6 +5,7 @@ import { Plot } from "../core/plot";
 import { KINDS, type Description, type Kind } from "./documents";
 import type { Result } from "./results";
 import { nearest, type Rows } from "./rows";
+import { rapids, RAPID } from "./strip";
 import { differences, type Setup } from "./setup";
 
 export interface ComparedRun {
@@ -82,6 +83,7 @@ export class Comparison {
         y: "error / µm",
         series: [{ name: "A", colour: "before", dash: [6, 3] }, { name: "B", colour: "after" }],
         height: 210,
+        shaded: RAPID,
       });
     }
     const name = `${this.kind.value}.error_um`;
@@ -94,6 +96,7 @@ export class Comparison {
       return Array.from(nearest(of.rows.column(over), at), (row) => (row < 0 || !Number.isFinite(values[row]) ? null : values[row]!));
     };
     this.plot.set([at, curve(kept), curve(now)]);
+    this.plot.shade(rapids(longer.rows, at));
     const found = differences(kept.setup, now.setup);
     const rows = found.length > 0 ? found : [["nothing", "", ""]];
     this.table.replaceChildren(table("Differences", ["setting", "A", "B"], rows));

@@ -5,7 +5,7 @@ import { Plot, type Series } from "../core/plot";
 import type { ColourName } from "../core/theme";
 import { KINDS, type Description } from "./documents";
 import type { Rows } from "./rows";
-import { runs, Strip, type Lane } from "./strip";
+import { rapids, RAPID, Strip, type Lane } from "./strip";
 
 const SYNC = "scope";
 /** Status bits of the step that report a deviation from normal operation (`trueaxis::telemetry::Status`). */
@@ -86,7 +86,7 @@ export class Curves {
     this.below.replaceChildren();
     const series = description.kinds.map((kind): Series => ({ name: KINDS[kind].text, ...KINDS[kind] }));
     const common = { x: "time / s", sync: SYNC };
-    this.contour = new Plot(this.above, { ...common, title: "Contour error of the true tool tip", y: "error / µm", series, height: 186, digits: 3, onCursor: this.moved, empty: "Run draws the contour error of each machine here.", shaded: "rapid traverse, not counted in the figures" });
+    this.contour = new Plot(this.above, { ...common, title: "Contour error of the true tool tip", y: "error / µm", series, height: 186, digits: 3, onCursor: this.moved, empty: "Run draws the contour error of each machine here.", shaded: RAPID });
     const y = description.axes.some(({ rotary }) => rotary) ? "correction / µm, µrad" : "correction / µm";
     this.corrections = new Plot(this.below, { ...common, title: "Correction of each axis", y, series: this.corrected(), height: 160, empty: "Run draws what each axis adds to its command here." });
     const words = this.all().map(({ axes, at }) => `${axes} ±${at}`);
@@ -128,9 +128,7 @@ export class Curves {
     const own = description.axes.map(({ axis }) => rows.curve(`${this.which.value}.${axis}`));
     const level = (at: number) => new Float64Array(rows.count).fill(at);
     this.corrections.set([time, ...own, ...this.bounds().flatMap(({ at }) => [level(at), level(-at)])]);
-    const rapids = runs(Array.from(rows.column("cutting"), (cutting) => (cutting === 0 ? 1 : 0)));
-    // Up to the next row: a stretch of a single row would have no width.
-    const stretches = rapids.map(([first, last]): [number, number] => [time[first]!, time[Math.min(last + 1, rows.count - 1)]!]);
+    const stretches = rapids(rows, time);
     this.contour.shade(stretches);
     this.corrections.shade(stretches);
     this.contour.mark(this.marks);

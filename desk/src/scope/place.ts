@@ -84,7 +84,7 @@ export class Place {
       let most = 0;
       for (const error of errors) if (error > most) most = error;
       scene.polyline(places, "after", errors.map((error) => (most > 0 && error > 0 ? error / most : 0)));
-      this.largest(`${fixed(most, 2)} µm`);
+      this.largest(most > 0 ? `${fixed(most, 2)} µm` : "–");
       this.tool(places.subarray(3 * this.row, 3 * this.row + 3), rows);
     }
     scene.draw();

@@ -1,8 +1,12 @@
 // Figures of a run, and of the run kept for comparison.
 
 import { el, table, type Cell } from "../core/dom";
-import { cell, significant } from "../core/number";
+import { cell, fixed, significant } from "../core/number";
+import { faultInWords } from "./words";
 import { KINDS, type Figures, type Kind, type Progress, type Size } from "./documents";
+import type { Rows } from "./rows";
+import { exchangeOf } from "./setup";
+import { time as startOf } from "./times";
 
 /** A run's figures and its progress. */
 export interface Result {
@@ -30,6 +34,24 @@ export function sentence(run: Result): string {
   const sizes = known(run)(run.figures.contour_error_um);
   const parts = ALL.flatMap((kind) => (sizes[kind] && Number.isFinite(sizes[kind].max) ? [`${KINDS[kind].text} ${significant(sizes[kind].max, 3)} µm`] : []));
   return parts.length === 0 ? "" : `Largest contour error while cutting${run.progress.done ? "" : " so far"}: ${parts.join(", ")}.`;
+}
+
+/** Time after an exchange that the correction takes to its new value, s. */
+const SETTLED_S = 0.3;
+
+/** Largest contour errors before and after the last exchange of the tables in motion, in a sentence. */
+export function exchanged(rows: Rows, acts: readonly string[]): string {
+  const time = rows.column("time_s");
+  const now = time.at(-1) ?? 0;
+  const times = acts.filter((act) => exchangeOf(act) !== undefined).map((act) => startOf(act)).sort((one, other) => one - other);
+  const at = times.findLast((time) => time <= now);
+  if (at === undefined || at === 0) return "";
+  const previous = times.findLast((time) => time < at);
+  const [cutting, errors] = [rows.column("cutting"), rows.column("compensated.error_um")];
+  const most = (from: number, to: number) => errors.reduce((most, error, row) => (cutting[row]! > 0 && time[row]! >= from && time[row]! < to && error > most ? error : most), 0);
+  const [before, after] = [most(previous === undefined ? 0 : previous + SETTLED_S, at), most(at + SETTLED_S, Infinity)];
+  if (before === 0 || after === 0) return "";
+  return `Tables exchanged at ${significant(at, 3)} s: the largest contour error with compensation ${after < before ? "falls" : "rises"} from ${significant(before, 3)} to ${significant(after, 3)} µm.`;
 }
 
 type Sizes = Partial<Record<Kind, Size>>;
@@ -79,6 +101,8 @@ function counts(run: Result, kept: Result | undefined): HTMLElement {
 }
 
 function faults(figures: Figures): HTMLElement {
-  const rows = figures.faults.map((fault): Cell[] => [fault.time_s.toFixed(4), fault.fault, fault.axis, String(fault.line), String(fault.cycles)]);
-  return table("Faults that the step reported, corrected", ["time / s", "fault", "axis", "line", "cycles"], rows);
+  const rows = figures.faults.map(({ time_s, fault, axis, line, cycles }): Cell[] => [fixed(time_s, 4), `${faultInWords(fault, axis)} `, String(line), String(cycles)]);
+  const root = table("Faults that the step reported, corrected", ["time / s", "fault", "line", "cycles"], rows);
+  figures.faults.forEach(({ fault }, row) => root.tBodies[0]!.rows[row]!.cells[1]!.append(el("small", {}, el("code", {}, fault))));
+  return root;
 }

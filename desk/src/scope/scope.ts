@@ -13,6 +13,13 @@ import { Screen } from "./screen";
 import { exchangeOf, FIRST, fromState, request, type Setup } from "./setup";
 import { Share } from "./share";
 
+/** Names of the tables before and after a measured correction, and the share of the run after which they are exchanged. */
+const [BEFORE, CORRECTED] = ["before", "corrected"];
+const CORRECTED_AT = 0.25;
+
+/** Whether the reader wants no motion. */
+const isStill = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
+
 export class Scope {
   private readonly runner: Runner;
   private readonly controls: Controls;
@@ -78,21 +85,42 @@ export class Scope {
     desk.onProgram(async ({ name, text }) => this.take({ ...this.controls.setup, program: { name, text } }));
     desk.machine.subscribe(() => {
       if (desk.machine.files === this.files) return;
-      if (this.demonstrates) void this.demonstrate().catch(desk.fail);
+      // Whoever puts a correction into the machine wants to see it.
+      if (desk.machine.before) this.demonstrates = !isStill();
+      else this.withoutCorrection();
+      if (this.demonstrates || desk.machine.before) void this.demonstrate().catch(desk.fail);
       else if (this.snapshot?.progress.cycle) this.screen.bar.changed("The machine has changed: Restart runs it, Exchange takes its tables.");
       else void this.reopen().catch(desk.fail);
     });
     desk.runs.onRestart(() => this.screen.bar.changed("The run is lost: Run starts it again."));
-    if (matchMedia("(prefers-reduced-motion: reduce)").matches) return this.reopen().catch(desk.fail);
-    this.demonstrates = true;
-    this.screen.bar.pace = "real";
+    this.demonstrates = !isStill();
+    if (this.demonstrates) this.screen.bar.pace = "real";
     await this.demonstrate().catch(desk.fail);
   }
 
-  /** Opens the run and lets it go on while it is visible. */
+  /**
+   * Opens the run and lets it go on while it is visible. After a measured correction the simulated machine has the errors found:
+   * it runs with the tables from before, and in motion it gets the corrected ones.
+   */
   private async demonstrate(): Promise<void> {
+    const { before, files } = this.desk.machine;
+    this.withoutCorrection();
+    if (before) {
+      const { setup } = this.controls;
+      this.controls.setup = { ...setup, acts: [...setup.acts, `exchange:${BEFORE}@0s`], exchanges: { ...setup.exchanges, [BEFORE]: before } };
+    }
     await this.reopen();
+    const { description } = this.screen;
+    if (before && description && files === this.files) await this.act(`exchange:${CORRECTED}@${(CORRECTED_AT * description.cycles * description.period_s).toFixed(1)}s`, files);
     await this.goOn();
+  }
+
+  /** Removes the exchanges that show a correction. */
+  private withoutCorrection(): void {
+    const { setup } = this.controls;
+    const acts = setup.acts.filter((act) => ![BEFORE, CORRECTED].includes(exchangeOf(act) ?? ""));
+    const { [BEFORE]: _before, [CORRECTED]: _corrected, ...exchanges } = setup.exchanges;
+    this.controls.setup = { ...setup, acts, exchanges };
   }
 
   private async goOn(): Promise<void> {

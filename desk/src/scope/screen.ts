@@ -10,10 +10,11 @@ import { Place } from "./place";
 import { Programs, type ProgramsHost } from "./programs";
 import { Sentence } from "../core/shown";
 import { Intro, type IntroHost } from "./intro";
-import { results, sentence } from "./results";
+import { exchanged, results, sentence } from "./results";
 import type { Snapshot } from "./runner";
 import type { Setup } from "./setup";
 import { time } from "./times";
+import { actInWords } from "./words";
 
 /** Time between two three-dimensional pictures, and between two tables of figures, during a run, ms. */
 const PLACE_MS = 400;
@@ -32,6 +33,7 @@ export class Screen {
   private readonly place = new Place();
   private readonly comparison: Comparison;
   private readonly sentence = new Sentence();
+  private readonly exchange = new Sentence();
   private readonly figures = el("div", { class: "figures" });
   private cursor: number | null = null;
   private placed = 0;
@@ -57,7 +59,7 @@ export class Screen {
       el(
         "div",
         { class: "parts" },
-        el("div", { class: "run" }, section("Run", this.bar.root, this.intro.root, this.sentence.root, this.curves.root)),
+        el("div", { class: "run" }, section("Run", this.bar.root, this.intro.root, this.sentence.root, this.exchange.root, this.curves.root)),
         el("div", { class: "side" }, section("Place", this.place.root), section("Acts in motion", this.acts.root)),
         el("div", { class: "setup-of" }, this.programs.root, section("Settings", parts.controls)),
         el("div", { class: "more" }, section("Figures", this.figures), this.comparison.root, parts.share),
@@ -87,7 +89,7 @@ export class Screen {
     const all = redraw || !going || performance.now() - this.placed > PLACE_MS;
     if (all) this.results();
     if (this.root.hidden) return;
-    const marks = setup.acts.map((act): Mark => ({ x: time(act), text: act.split("@")[0] ?? "" })).filter(({ x }) => x <= progress.time_s);
+    const marks = setup.acts.map((act): Mark => ({ x: time(act), text: actInWords(act) })).filter(({ x }) => x <= progress.time_s);
     this.curves.set(rows, marks);
     const row = Math.min(this.cursor ?? Infinity, rows.count - 1);
     this.programs.listing.run(rows.at(row, "line") || 0);
@@ -101,6 +103,7 @@ export class Screen {
   private results(): void {
     if (!this.shown) return;
     this.sentence.set(sentence(this.shown.result));
+    this.exchange.set(exchanged(this.shown.rows, this.shown.setup.acts));
     this.figures.replaceChildren(results(this.shown.result, this.comparison.kept?.result));
   }
 

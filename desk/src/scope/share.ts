@@ -1,9 +1,8 @@
 // A scenario for sharing: the command line that reproduces it, and its files.
 
-import { strToU8, zipSync } from "fflate";
 import type { Desk } from "../core/desk";
 import { button, commandLine, el, section } from "../core/dom";
-import { save } from "../core/files";
+import { archive, save } from "../core/files";
 import type { Scenario } from "./documents";
 
 export class Share {
@@ -24,11 +23,4 @@ export class Share {
   set(scenario: Scenario): void {
     this.command.set(scenario.command);
   }
-}
-
-/** The earliest date that an archive can contain; a fixed one makes archives of equal files equal. */
-const DATE = new Date(1980, 0, 1);
-
-function archive(files: Record<string, string>): Uint8Array<ArrayBuffer> {
-  return zipSync(Object.fromEntries(Object.entries(files).map(([path, text]) => [path, strToU8(text)])), { mtime: DATE });
 }

@@ -2,6 +2,7 @@
 
 import uPlot from "uplot";
 import { el, table, unique } from "../core/dom";
+import type { Rows } from "./rows";
 import { colour, onTheme, type ColourName } from "../core/theme";
 
 export interface Lane {
@@ -137,6 +138,16 @@ export class Strip {
     const rows = this.stretches();
     this.words.replaceChildren(table("Flags, as thinned", ["flag", "from / s", "to / s"], rows.length > 0 ? rows : [["none raised", "", ""]]));
   }
+}
+
+/** Meaning of shaded stretches. */
+export const RAPID = "rapid traverse, not counted in the figures";
+
+/** Stretches of rapid traverse along a column. */
+export function rapids(rows: Rows, along: ArrayLike<number>): [from: number, to: number][] {
+  const found = runs(Array.from(rows.column("cutting"), (cutting) => (cutting === 0 ? 1 : 0)));
+  // Up to the next row: a stretch of a single row would have no width.
+  return found.map(([first, last]) => [along[first]!, along[Math.min(last + 1, rows.count - 1)]!]);
 }
 
 /** Intervals in which a flag is raised: first and last row. */
