@@ -16,6 +16,8 @@ const AIM: f64 = 0.95;
 
 /// A bound that falls to less than this share of the one before was helped by the slower feed.
 const HELPED: f64 = 0.98;
+/// Share to which a line is slowed at least whose slower feed did not help: friction hardly depends on a small change.
+const UNHELPED: f64 = 0.7;
 
 /// Share of a line's programmed feed, and the bound with it.
 #[derive(Clone, Copy, Debug)]
@@ -54,8 +56,9 @@ pub(super) fn feeds(
     Ok(lines)
 }
 
-/// Slows every line whose bound exceeds `wanted`; where that did not help in the round before, the line that leads to it, since
-/// an error that begins in its last moments ends on the next. Returns whether any feed has changed.
+/// Slows every line whose bound exceeds `wanted`; where that did not help in the round before, by a larger step together with
+/// the line that leads to it, since an error that begins in its last moments ends on the next. Returns whether any feed has
+/// changed.
 fn slow(lines: &mut BTreeMap<u32, Slowed>, before: &mut BTreeMap<u32, f64>, wanted: f64) -> bool {
     let numbers: Vec<u32> = lines.keys().copied().collect();
     let mut slower = false;
@@ -64,11 +67,15 @@ fn slow(lines: &mut BTreeMap<u32, Slowed>, before: &mut BTreeMap<u32, f64>, want
             continue;
         };
         let helped = before.insert(*number, bound).is_none_or(|before| bound < HELPED * before);
-        let slowed = if helped { *number } else { numbers[at.saturating_sub(1)] };
-        if let Some(line) = lines.get_mut(&slowed).filter(|line| line.share > LEAST) {
-            // An error grows with the feed or its square; too large a step would be slower than needed.
-            line.share = (line.share * (AIM * wanted / bound).max(0.25).powf(0.8)).max(LEAST);
-            slower = true;
+        // An error grows with the feed or its square; too large a step would be slower than needed.
+        let step = (AIM * wanted / bound).max(0.25).powf(0.8);
+        let step = if helped { step } else { step.min(UNHELPED) };
+        let from = if helped { at } else { at.saturating_sub(1) };
+        for slowed in numbers.iter().take(at + 1).skip(from) {
+            if let Some(line) = lines.get_mut(slowed).filter(|line| line.share > LEAST) {
+                line.share = (line.share * step).max(LEAST);
+                slower = true;
+            }
         }
     }
     slower
