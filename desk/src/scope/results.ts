@@ -51,7 +51,7 @@ export function exchanged(rows: Rows, acts: readonly string[]): string {
   const most = (from: number, to: number) => errors.reduce((most, error, row) => (cutting[row]! > 0 && time[row]! >= from && time[row]! < to && error > most ? error : most), 0);
   const [before, after] = [most(previous === undefined ? 0 : previous + SETTLED_S, at), most(at + SETTLED_S, Infinity)];
   if (before === 0 || after === 0) return "";
-  return `Tables exchanged at ${significant(at, 3)} s: the largest contour error with compensation ${after < before ? "falls" : "rises"} from ${significant(before, 3)} to ${significant(after, 3)} µm.`;
+  return `Tables exchanged at ${significant(at, 3)} s: the largest corrected contour error ${after < before ? "falls" : "rises"} from ${significant(before, 3)} to ${significant(after, 3)} µm.`;
 }
 
 type Sizes = Partial<Record<Kind, Size>>;

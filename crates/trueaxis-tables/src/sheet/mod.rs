@@ -78,7 +78,12 @@ impl<'r> Sheet<'r> {
         sheet.header_line = sheet.line;
         if sheet.header.iter().all(|name| sheet.origin.number(sheet.line, "", &name.replace(',', ".")).is_ok()) {
             let found = sheet.header.join(&sheet.separator().to_string());
-            return Err(sheet.origin.at(sheet.line, "", found, "the names of the columns in the first line, above the numbers"));
+            return Err(sheet.origin.at(
+                sheet.line,
+                "",
+                found,
+                "the names of the columns in the first line, above the numbers",
+            ));
         }
         Ok(sheet)
     }
