@@ -8,7 +8,7 @@ after(closeBrowser);
 
 /** Timeout for a computer that runs other tests at the same time. */
 const LONG = 240_000;
-const EXCHANGED = /^Tables exchanged at \S+ s: the largest contour error with compensation (falls|rises) from (\S+) to (\S+) µm\.$/;
+const EXCHANGED = /^Tables exchanged at \S+ s: the largest corrected contour error (falls|rises) from (\S+) to (\S+) µm\.$/;
 /** A program of a few seconds about the machine's zero. */
 const TINY = "G21 G90 G94 G17\nF2400\nG0 Z5\nG1 Z0\nX20 Y10\nG2 X20 Y-10 I0 J-10\nG1 X-10\nY0\nX0\nM2\n";
 
