@@ -22,7 +22,7 @@ use crate::vector::V3;
 
 /// Cells filled per cycle with grids, at whose nodes cells end too: a look-up of tables and grids without cells costs more
 /// than filling them, and an axis that dithers about a node leaves its cells again and again.
-const FILLS_WITH_GRIDS: u32 = 4;
+const FILLS_WITH_GRIDS: u32 = 2;
 
 /// Result of the tables in a cycle.
 #[derive(Clone, Copy, Debug)]

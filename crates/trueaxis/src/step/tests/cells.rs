@@ -340,6 +340,8 @@ fn kept_cells_with_grids_say_what_both_say() {
         let doubles = run::<f64, f64>(&tables, 40 + seed as u64, share(60_000), 0.2e-6);
         let singles = run::<f32, Nanometres>(&tables, 40 + seed as u64, share(60_000), 0.4e-6);
         for worst in [doubles, singles] {
+            // Two cells at the command, and their copies at the feedback.
+            assert!(worst.filled <= 4, "{worst:?}");
             edges += worst.edges;
             kept += worst.kept;
         }
