@@ -26,7 +26,8 @@ for (const width of [1440, 1024, 390])
         assert.ok(wide.by <= 0, `${name}: ${wide.by} px wider than the page: ${wide.first.join("; ")}`);
         // No empty room: a plot, a picture or a table.
         const filled = panel.locator("canvas:visible, svg:visible, tbody tr:visible");
-        assert.ok((await filled.count()) > 0, `${name} is empty`);
+        // A simulated sample takes longer on a busy computer; an empty view fails by the time limit.
+        await filled.first().waitFor();
         await shot(page, `${name.toLowerCase().replaceAll(" ", "-")}-${width}${dark ? "-dark" : ""}`, true);
       }
       await close();

@@ -99,7 +99,7 @@ export class IntoMachine {
     this.words.textContent = [...settings.slice(0, NAMED).map(inWords), ...more].join("; ");
     const rows = settings.map((setting): Cell[] => [setting.key, ...figures(setting)]);
     this.place.append(
-      rows.length > 0 ? table("Settings that change", ["key of machine.toml", "before", "after", "± 95 %"], rows) : el("p", {}, "No setting changes."),
+      rows.length > 0 ? table("Settings that change", ["key of machine.toml", "before", "after", `± 95 %, k = ${EXPANDED.toFixed(2)}`], rows) : el("p", {}, "No setting changes."),
       notes("Decisions", becomes.notes),
     );
   }

@@ -19,8 +19,17 @@ export function el<K extends keyof HTMLElementTagNameMap>(
     else element.setAttribute(key, value === true ? "" : String(value));
   }
   element.append(...children.filter((child): child is Node | string => child !== null && child !== undefined));
+  if (name === "table") scrolls.observe(element);
   return element;
 }
+
+/** Makes tables that are wider than a narrow page reachable by keyboard, so that arrow keys scroll them. */
+const scrolls = new ResizeObserver((entries) => {
+  for (const { target } of entries) {
+    if (target.scrollWidth > target.clientWidth + 1) target.setAttribute("tabindex", "0");
+    else target.removeAttribute("tabindex");
+  }
+});
 
 let count = 0;
 /** An id that no other element has. */

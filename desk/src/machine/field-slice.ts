@@ -31,7 +31,7 @@ export class Slice {
     this.axis = choice("Slice across", LETTERS.map((letter) => [letter, letter] as const), "Z", (letter) => this.turn(LETTERS.indexOf(letter)));
     this.place = slider({ label: "Plane", value: 1, min: 1, max: 11, step: 1 }, (plane) => this.move(plane - 1));
     const map = (half: Half) =>
-      el("canvas", { class: "map", tabindex: 0, role: "img", onkeydown: (event: KeyboardEvent) => this.key(event), onpointermove: (event: PointerEvent) => this.point(event), "data-half": half });
+      el("canvas", { class: "map", tabindex: 0, role: "img", "aria-label": `Slice ${half}`, onkeydown: (event: KeyboardEvent) => this.key(event), onpointermove: (event: PointerEvent) => this.point(event), "data-half": half });
     this.maps = { before: map("before"), after: map("after") };
     const figure = (half: Half) => el("figure", {}, el("figcaption", {}, `Slice ${half}`), this.maps[half]);
     const left = el("div", {}, el("div", { class: "row" }, this.axis.root, this.place.root), el("div", { class: "maps" }, figure("before"), figure("after")), this.readout);
