@@ -14,8 +14,8 @@ import { closeBrowser, openDesk, view } from "../desk/tests/harness.mjs";
 
 /** Room around a picture, px. */
 const MARGIN = 16;
-/** Size of the film, px, and its steps: the whole default program. */
-const FILM = { width: 1024, height: 640, frames: 36, ms: 140, rest_ms: 2600 };
+/** The film: size of the page; the part of it that is filmed, the run and its traces, px; its steps, the whole default program. */
+const FILM = { size: { width: 1024, height: 640 }, clip: { x: 0, y: 88, width: 666, height: 552 }, frames: 24, ms: 200, rest_ms: 2600, quality: 0.5 };
 
 /** Sentences and tables of a document, rows with their cells apart by tabs. */
 function words(parts) {
@@ -67,7 +67,7 @@ async function desk(out) {
 }
 
 /** The part of a picture that differs from the one before, at even coordinates as the format needs, as WebP. Runs in the page. */
-async function difference(png) {
+async function difference([png, quality]) {
   const bitmap = await createImageBitmap(await (await fetch(`data:image/png;base64,${png}`)).blob());
   const { width, height } = bitmap;
   const canvas = new OffscreenCanvas(width, height);
@@ -85,18 +85,17 @@ async function difference(png) {
   [left, top] = [left - (left % 2), top - (top % 2)];
   const part = new OffscreenCanvas(right - left, bottom - top);
   part.getContext("2d", { alpha: false }).drawImage(canvas, -left, -top);
-  // Quality 1 is without loss, which suits lines and text.
-  const bytes = new Uint8Array(await (await part.convertToBlob({ type: "image/webp", quality: 1 })).arrayBuffer());
+  const bytes = new Uint8Array(await (await part.convertToBlob({ type: "image/webp", quality })).arrayBuffer());
   return { x: left, y: top, width: part.width, height: part.height, webp: btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join("")) };
 }
 
 async function film(folder) {
-  const { width, height, frames, ms, rest_ms } = FILM;
-  const { page, panel, context, close } = await scope({ width, height });
+  const { size, clip, frames, ms, rest_ms, quality } = FILM;
+  const { page, panel, context, close } = await scope(size);
   const darkroom = await context.newPage();
   const progress = async () => (await panel.locator(".bar output").textContent()).match(/: ([\d,]+) of ([\d,]+) /).slice(1).map((count) => Number(count.replaceAll(",", "")));
   const [, cycles] = await progress();
-  await panel.getByLabel("Cycles").fill(String(Math.ceil(cycles / frames)));
+  await panel.getByLabel("Cycles", { exact: true }).fill(String(Math.ceil(cycles / frames)));
   const places = [];
   for (let number = 0; number < frames; number++) {
     const [at] = await progress();
@@ -106,7 +105,7 @@ async function film(folder) {
     await page.evaluate(() => document.activeElement?.blur());
     // The picture of the place follows the traces.
     await page.waitForTimeout(500);
-    const found = await darkroom.evaluate(difference, (await page.screenshot()).toString("base64"));
+    const found = await darkroom.evaluate(difference, [(await page.screenshot({ clip })).toString("base64"), quality]);
     if (!found) continue;
     const { webp, ...place } = found;
     const name = `${String(places.length).padStart(3, "0")}.webp`;
@@ -114,7 +113,7 @@ async function film(folder) {
     places.push({ name, ...place, ms });
   }
   places.at(-1).ms = rest_ms;
-  fs.writeFileSync(path.join(folder, "frames.json"), JSON.stringify({ width, height, frames: places }));
+  fs.writeFileSync(path.join(folder, "frames.json"), JSON.stringify({ width: clip.width, height: clip.height, frames: places }));
   await close();
   return [];
 }

@@ -75,7 +75,7 @@ type Colour = readonly [number, number, number];
  * further its lightness is from that of the page, so that the scale reads without colour; even the smallest has a contrast of 3.
  */
 const SCALE: readonly [light: readonly Colour[], dark: readonly Colour[]] = [
-  [[75, 147, 189], [96, 113, 178], [136, 66, 134], [144, 24, 60], [84, 4, 16]],
+  [[75, 147, 189], [96, 113, 178], [136, 66, 134], [140, 26, 66], [84, 4, 16]],
   [[79, 127, 181], [152, 138, 200], [222, 150, 164], [246, 190, 120], [255, 233, 168]],
 ];
 
