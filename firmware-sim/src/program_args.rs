@@ -40,7 +40,7 @@ pub(crate) struct ProgramArgs {
 enum Interpreter {
     /// This program.
     Own,
-    /// LinuxCNC's own, if it is installed: parameters, subprograms, cutter compensation.
+    /// LinuxCNC's own, if it is installed: for cutter compensation.
     Rs274,
 }
 
@@ -51,7 +51,8 @@ impl ProgramArgs {
     }
 
     pub(crate) fn read(&self) -> Result<Program> {
-        let options = ReadOptions::from_files(self.tool_table.as_deref(), self.offsets.as_deref(), self.block_delete)?;
+        let options = ReadOptions::from_files(self.tool_table.as_deref(), self.offsets.as_deref(), self.block_delete)?
+            .beside(&self.file);
         let read = match self.interpreter {
             Interpreter::Own => Program::read,
             Interpreter::Rs274 => rs274::read,

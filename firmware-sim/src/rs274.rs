@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use trueaxis_sim::program::canonical::Canonical;
-use trueaxis_sim::program::{Program, ProgramError, ReadOptions, numbered};
+use trueaxis_sim::program::{Program, ProgramError, ReadOptions, ToolTable, numbered};
 
 /// Without an INI file `rs274` interprets tool table and parameters in inches.
 const MM_PER_UNIT: f64 = 25.4;
@@ -27,11 +27,12 @@ pub fn read(name: &str, bytes: &[u8], file: &str, options: &ReadOptions) -> Resu
     let scratch = |e: std::io::Error| wrong(1, format!("no folder for temporary files ({e})"), "one");
     let folder = tempfile::tempdir().map_err(scratch)?;
     let path = |name: &str| folder.path().join(name);
-    std::fs::write(path("program.ngc"), numbered(bytes, file)?).map_err(scratch)?;
+    let program = numbered(bytes, file)?;
+    std::fs::write(path("program.ngc"), &program).map_err(scratch)?;
     // A copy of the parameters, because rs274 rewrites them.
     let offsets = options.offsets.clone().unwrap_or_default();
     std::fs::write(path("offsets.var"), offsets.parameters(MM_PER_UNIT)).map_err(scratch)?;
-    let tools = options.tools.clone().unwrap_or_default();
+    let tools = options.tools.clone().unwrap_or_else(|| ToolTable::without_lengths(&program));
     std::fs::write(path("tool.tbl"), tools.text(MM_PER_UNIT)).map_err(scratch)?;
 
     let mut command = Command::new("rs274");

@@ -78,8 +78,8 @@ fn too_long_a_run_is_refused_before_it_begins() {
 }
 
 #[test]
-fn programs_that_need_a_whole_interpreter_are_refused_with_the_option() {
-    for text in ["G0 X1\n#1 = 5\n", "G0 X1\nG41 D1\n", "G0 X1\nM98 P100\n", "G0 X1\no100 sub\n"] {
+fn words_that_only_linuxcnc_reads_are_refused_with_the_option() {
+    for text in ["G0 X1\nG33 K1 Z1\n", "G0 X1\nG41 D1\n", "G0 X1\nM66 P0 L0\n"] {
         let error = refused(text, &[]);
         assert!(error.contains("part.ngc:2: found `") && error.contains("--interpreter rs274"), "{error}");
     }

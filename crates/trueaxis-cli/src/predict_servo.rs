@@ -100,7 +100,8 @@ impl FamilyArgs {
 
 pub(crate) fn run(arguments: &PredictServoArgs) -> Result<()> {
     let source = Source::read(&arguments.program)?;
-    let program = Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default())?;
+    let program =
+        Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(&arguments.program))?;
     let machine = model::source(&arguments.machine)?;
     let settings = Settings { rate_hz: arguments.rate_hz, ..Settings::default() };
     let scenario = Scenario::new(machine, program, settings)?;

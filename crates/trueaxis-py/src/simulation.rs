@@ -49,7 +49,8 @@ impl Program {
         block_delete: bool,
     ) -> PyResult<Program> {
         to_python(py.detach(|| {
-            let options = ReadOptions::from_files(tool_table.as_deref(), offsets.as_deref(), block_delete)?;
+            let options =
+                ReadOptions::from_files(tool_table.as_deref(), offsets.as_deref(), block_delete)?.beside(&path);
             Program::read(&Source::read(&path)?, &options)
         }))
     }
@@ -69,7 +70,7 @@ impl Program {
             let tools = tool_table.map(|text| ToolTable::parse(text, "tool_table")).transpose()?;
             let offsets = offsets.map(|text| Offsets::parse(text, "offsets")).transpose()?;
             let source = Source { name: name.to_owned(), bytes: text.into_bytes().into(), file: name.to_owned() };
-            Program::read(&source, &ReadOptions { tools, offsets, block_delete })
+            Program::read(&source, &ReadOptions { tools, offsets, block_delete, folder: None })
         }))
     }
 

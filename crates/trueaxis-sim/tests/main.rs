@@ -4,6 +4,7 @@ mod common;
 mod events;
 mod friction;
 mod full;
+mod interpreter;
 mod legs;
 mod motion;
 mod program;

@@ -100,7 +100,8 @@ impl ArcWords {
 
     fn center_by_offsets(&self) -> Result<[f64; 3], Refusal> {
         let [a, b, n] = self.plane.axes();
-        if self.center[n].is_some() {
+        // Posts write K0 beside I and J.
+        if self.center[n].is_some_and(|offset| offset != 0.0) {
             let letter = ["I", "J", "K"][n];
             return self.refuse(format!("{letter} in plane {}", self.plane.code()), "the centre words of the plane");
         }

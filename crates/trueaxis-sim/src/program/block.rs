@@ -1,8 +1,9 @@
 //! The words of one line: values sorted by letter, G and M words by modal group.
 
 use super::error::{Refusal, THROUGH_LINUXCNC};
+use super::expression::{Parameter, Values};
 use super::modal::{self, G_WORDS, M_WORDS, g, m};
-use super::words::{Word, Words};
+use super::words::{Item, Word, Words};
 
 /// Letters of the axes, in the order used everywhere.
 pub(super) const AXIS_LETTERS: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
@@ -14,37 +15,42 @@ pub(super) const CANCEL: u16 = 800;
 #[derive(Debug, Default)]
 pub(super) struct Block {
     pub(super) line: u32,
-    values: [Option<f64>; 26],
+    /// A to Z, then @ and ^.
+    values: [Option<f64>; 28],
     /// G words in tenths, by group.
     pub(super) g: [Option<u16>; g::COUNT],
     pub(super) m: [Option<u16>; m::COUNT],
-    /// Whether the line is an O word with a number and nothing else.
-    pub(super) program_number: bool,
 }
 
 fn index(letter: char) -> usize {
-    (letter as usize).wrapping_sub('A' as usize).min(25)
+    match letter {
+        '@' => 26,
+        '^' => 27,
+        _ => (letter as usize).wrapping_sub('A' as usize).min(25),
+    }
 }
 
 impl Block {
-    /// Sorts a line cleaned by [`clean`](super::text::clean).
+    /// Sorts a line cleaned by [`clean`](super::text::clean); its assignments go to `settings`, because they take effect after
+    /// the whole line has been read.
     ///
     /// # Errors
     /// A letter or a modal group twice, an unsupported word, text that is not a word.
-    pub(super) fn read(line: u32, text: &str) -> Result<Block, Refusal> {
+    pub(super) fn read<'t>(
+        line: u32,
+        text: &'t str,
+        values: &impl Values,
+        settings: &mut Vec<(Parameter<'t>, f64)>,
+    ) -> Result<Block, Refusal> {
         let mut block = Block { line, ..Block::default() };
-        if is_o_word(text) {
-            let number = text.trim_start_matches(|c: char| c == 'N' || c.is_ascii_digit()).get(1..).unwrap_or_default();
-            if number.is_empty() || !number.bytes().all(|b| b.is_ascii_digit()) {
-                let needed =
-                    format!("a program number O1234 on a separate line; subprograms and loops {THROUGH_LINUXCNC}");
-                return Err(Refusal::new(line, format!("`{text}`"), needed));
-            }
-            block.program_number = true;
-            return Ok(block);
-        }
-        for (position, word) in Words::new(line, text).enumerate() {
-            let word = word?;
+        for (position, item) in Words::new(line, text, values).enumerate() {
+            let word = match item? {
+                Item::Word(word) => word,
+                Item::Set(parameter, value) => {
+                    settings.push((parameter, value));
+                    continue;
+                }
+            };
             match word.letter {
                 'N' if position == 0 => {}
                 'N' => {
@@ -52,8 +58,8 @@ impl Block {
                 }
                 'G' => block.add_g(&word)?,
                 'M' => block.add_m(&word)?,
-                'D' | 'E' | 'O' | 'U' | 'V' | 'W' if block.g[g::SPINDLE] != Some(960) || word.letter != 'D' => {
-                    let needed = "a word of the supported dialect (G M X Y Z A B C I J K R P Q L F H N S T)";
+                'D' | 'O' | 'U' | 'V' | 'W' if block.g[g::SPINDLE] != Some(960) || word.letter != 'D' => {
+                    let needed = "a word of the supported dialect (G M X Y Z A B C I J K R P Q L F H N S T E @ ^)";
                     return Err(Refusal::new(line, format!("`{}`", word.text), needed));
                 }
                 letter => {
@@ -94,7 +100,7 @@ impl Block {
         let number = word.tenths().filter(|tenths| tenths % 10 == 0).map_or(u16::MAX, |tenths| tenths / 10);
         let Some(group) = modal::m_group(number) else {
             let needed = if modal::linuxcnc_has_m(number) {
-                format!("{M_WORDS}; subprograms and others {THROUGH_LINUXCNC}")
+                format!("{M_WORDS}; others {THROUGH_LINUXCNC}")
             } else {
                 M_WORDS.to_owned()
             };
@@ -118,6 +124,13 @@ impl Block {
         self.values[index(letter)].take()
     }
 
+    /// Multiplies the value of a letter.
+    pub(super) fn scale(&mut self, letter: char, by: f64) {
+        if let Some(value) = &mut self.values[index(letter)] {
+            *value *= by;
+        }
+    }
+
     /// Whether one of the letters has an unused value.
     pub(super) fn has(&self, letters: &str) -> bool {
         letters.chars().any(|letter| self.values[index(letter)].is_some())
@@ -125,19 +138,21 @@ impl Block {
 
     /// Whether the line names a target.
     pub(super) fn has_axes(&self) -> bool {
-        self.has("XYZABC")
+        self.has("XYZABC@^")
     }
 
     /// Refuses the first value that nothing has used.
     pub(super) fn refuse_unused(&self) -> Result<(), Refusal> {
-        for (letter, value) in ('A'..='Z').zip(self.values) {
+        for (letter, value) in ('A'..='Z').chain(['@', '^']).zip(self.values) {
             let Some(value) = value else { continue };
             let needed = match letter {
-                'P' => "P only with G2, G3, G4, G5.2, G10, G64, G82, G84, G86 or G89",
-                'I' | 'J' | 'K' => "I, J, K only with G2 or G3",
+                'P' => "P only with G2, G3, G4, G5, G5.2, G10, G64, G82, G84, G86, G89 or M98",
+                'I' | 'J' | 'K' => "I, J, K only with G2, G3, G5 or G5.1",
                 'R' => "R only with G2, G3, G10 L2 or a canned cycle",
-                'L' => "L only with G5.2, G10 or a canned cycle",
-                'Q' => "Q only with G64, G73 or G83",
+                'L' => "L only with G5.2, G10, M98 or a canned cycle",
+                'Q' => "Q only with G5, G64, G73 or G83",
+                'E' => "E only with M67 or M68",
+                '@' | '^' => "G0, G1, G2 or G3 with @ and ^",
                 'X' | 'Y' | 'Z' => "a motion word (G0, G1, G2, G3, G5.2, G38.2, G73, G81 to G89) before axis words",
                 'A' | 'B' | 'C' => "a motion word (G0, G1, G2, G3) before rotary words",
                 'H' => "H only with G43, G43.2 or G43.4",
@@ -147,10 +162,4 @@ impl Block {
         }
         Ok(())
     }
-}
-
-/// Whether a line is O1234 or begins a control structure of LinuxCNC: an O word, preceded at most by N.
-fn is_o_word(text: &str) -> bool {
-    let rest = text.strip_prefix('N').map_or(text, |rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()));
-    rest.starts_with('O')
 }

@@ -34,6 +34,8 @@ pub(super) struct Builder {
     pieces: u64,
     strokes: f64,
     most_pieces: u64,
+    /// Whether the program was refused because it is too long.
+    pub(super) full: bool,
 }
 
 impl Builder {
@@ -48,6 +50,7 @@ impl Builder {
             pieces: 0,
             strokes: 0.0,
             most_pieces,
+            full: false,
         }
     }
 
@@ -92,6 +95,7 @@ impl Builder {
         }
         self.pieces += limits::pieces(&curve, &turn, length);
         if self.pieces > self.most_pieces {
+            self.full = true;
             let needed = format!("at most {} (8 mm or 30° of a curve, 5° of a rotary axis each)", self.most_pieces);
             return Err(Refusal::new(line, format!("a program of {} pieces up to here", self.pieces), needed));
         }
@@ -134,6 +138,7 @@ impl Builder {
     pub(super) fn count_strokes(&mut self, line: u32, strokes: f64) -> Result<(), Refusal> {
         self.strokes += strokes;
         if self.strokes > self.most_pieces as f64 {
+            self.full = true;
             let needed = format!("at most {}", self.most_pieces);
             return Err(Refusal::new(line, format!("{:.0} strokes of canned cycles up to here", self.strokes), needed));
         }

@@ -108,6 +108,14 @@ impl Canonical {
                 self.builder.line_to(line, pace, self.keep_still(end), self.plane.normal())?;
                 self.moved();
             }
+            "STRAIGHT_PROBE" => {
+                let end = self.frame.to_machine(self.place(numbers(line, name, arguments)?));
+                let pace = self.pace();
+                if self.builder.line_to(line, pace, self.keep_still(end), self.plane.normal())? {
+                    self.builder.probe();
+                }
+                self.builder.notes.add(line, name, "moves to its end: the simulation has nothing to touch");
+            }
             "ARC_FEED" => self.arc(line, numbers(line, name, arguments)?)?,
             "USE_LENGTH_UNITS" => {
                 let unit = if arguments.contains("INCHES") { MM_PER_INCH } else { 1.0 };
@@ -153,9 +161,11 @@ impl Canonical {
             | "MESSAGE"
             | "LOG"
             | "PALLET_SHUTTLE"
-            | "START_CHANGE" => {}
+            | "START_CHANGE"
+            | "TURN_PROBE_ON"
+            | "TURN_PROBE_OFF" => {}
             "NURBS_FEED" => {
-                let needed = "a program without G5, G5.1 and G5.2: rs274 does not print their points (G5.2 runs without \
+                let needed = "a program without G5, G5.1 and G5.2: rs274 does not print their points (they run without \
                               --interpreter rs274)";
                 return Err(Refusal::new(line, format!("{name}({arguments})"), needed));
             }

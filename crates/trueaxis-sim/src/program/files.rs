@@ -61,6 +61,25 @@ impl ReadOptions {
             let text = std::fs::read_to_string(path).map_err(|error| of(path, error, "a file of offsets"))?;
             Offsets::parse(&text, &path.display().to_string())
         });
-        Ok(ReadOptions { tools: tools.transpose()?, offsets: offsets.transpose()?, block_delete })
+        Ok(ReadOptions { tools: tools.transpose()?, offsets: offsets.transpose()?, block_delete, folder: None })
     }
+
+    /// The same with subprograms from the files beside the program.
+    pub fn beside(mut self, program: &Path) -> Self {
+        self.folder =
+            program.parent().map(|folder| if folder == Path::new("") { Path::new(".") } else { folder }.into());
+        self
+    }
+}
+
+/// Path and bytes of a subprogram's file, if there is one: `name.ngc`.
+pub(super) fn subprogram(folder: &Path, name: &str) -> Option<(String, Vec<u8>)> {
+    let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
+    if name.is_empty() || !name.chars().all(plain) {
+        return None;
+    }
+    let path = folder.join(format!("{name}.ngc"));
+    let mut bytes = Vec::new();
+    std::fs::File::open(&path).ok()?.take(limits::MOST_BYTES).read_to_end(&mut bytes).ok()?;
+    Some((path.display().to_string(), bytes))
 }

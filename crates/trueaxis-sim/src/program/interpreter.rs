@@ -7,19 +7,13 @@ use super::builder::{Builder, Pace};
 use super::error::Refusal;
 use super::frame::Frame;
 use super::modal::{g, m};
+use super::modes::{Feed, Saved, Spindle};
 use super::nurbs_block::NurbsBlock;
 use super::offsets::Offsets;
+use super::parameters::Parameters;
+use super::words::LARGEST;
 
-const MM_PER_INCH: f64 = 25.4;
-
-/// A feed as programmed.
-#[derive(Clone, Copy, Debug)]
-struct Feed {
-    /// The F word.
-    number: f64,
-    /// The number in mm, if it counts lengths.
-    mm: f64,
-}
+pub(super) const MM_PER_INCH: f64 = 25.4;
 
 /// Programmed values of a canned cycle, which the next line inherits.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,6 +28,17 @@ pub(super) struct CannedCycle {
     pub(super) peck: Option<f64>,
 }
 
+/// What follows a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Next {
+    /// The next one.
+    Line,
+    /// M98.
+    Call { label: u32, times: u64 },
+    /// M99.
+    Return,
+}
+
 /// State between lines, and the moves so far.
 pub(super) struct Interpreter<'o> {
     pub(super) options: &'o ReadOptions,
@@ -42,24 +47,41 @@ pub(super) struct Interpreter<'o> {
     /// Current offsets, those of G10 included.
     pub(super) offsets: Offsets,
     pub(super) plane: Plane,
-    inch: bool,
+    pub(super) inch: bool,
+    /// G7: X is a diameter.
+    pub(super) diameter: bool,
     pub(super) incremental: bool,
     pub(super) absolute_center: bool,
     /// Active motion word, in tenths.
     pub(super) motion: Option<u16>,
     pub(super) inverse_time: bool,
     /// In G94 per minute and modal; in G93 one over the minutes of the move, valid in this line only.
-    feed: Option<Feed>,
+    pub(super) feed: Option<Feed>,
     /// G98: cycles retract to where they began; otherwise (G99) to R.
     pub(super) retract_to_start: bool,
     /// G61.1.
-    exact_stop: bool,
+    pub(super) exact_stop: bool,
     pub(super) cycle: Option<CannedCycle>,
     /// Height at which the series of cycles began, in program coordinates: G98 retracts to it.
     pub(super) cycle_start: Option<f64>,
-    selected_tool: Option<u32>,
+    pub(super) selected_tool: Option<u32>,
     pub(super) loaded_tool: u32,
     pub(super) nurbs: Option<NurbsBlock>,
+    /// Direction in which the next G5 begins, mm.
+    pub(super) spline_end: Option<[f64; 2]>,
+    /// Last motion word that is no cycle, in tenths.
+    pub(super) before_cycle: Option<u16>,
+    /// Whether axis words after G80 move at rapid.
+    pub(super) rapid_after_cancel: bool,
+    pub(super) spindle: Spindle,
+    pub(super) parameters: Parameters,
+    /// Modes that the subprogram has saved.
+    pub(super) saved: Saved,
+    /// Value of the last subprogram.
+    pub(super) returned: Option<f64>,
+    /// Number of subprograms that have been called and not ended.
+    pub(super) level: u32,
+    pub(super) line: u32,
     began: bool,
     pub(super) ended: bool,
 }
@@ -81,6 +103,7 @@ impl<'o> Interpreter<'o> {
             offsets,
             plane: Plane::default(),
             inch: false,
+            diameter: false,
             incremental: false,
             absolute_center: false,
             motion: None,
@@ -93,42 +116,62 @@ impl<'o> Interpreter<'o> {
             selected_tool: None,
             loaded_tool: 0,
             nurbs: None,
+            spline_end: None,
+            before_cycle: None,
+            rapid_after_cancel: false,
+            spindle: Spindle::default(),
+            parameters: Parameters::default(),
+            saved: Saved::default(),
+            returned: None,
+            level: 0,
+            line: 1,
             began: false,
             ended: false,
         }
     }
 
-    /// Executes a line cleaned by [`clean`](super::text::clean).
-    pub(super) fn run(&mut self, line: u32, text: &str) -> Result<(), Refusal> {
-        if self.ended {
-            return Ok(());
-        }
-        let text = match text.strip_prefix('/') {
-            Some(_) if self.options.block_delete => {
-                self.note(line, "/", "left out by --block-delete");
-                return Ok(());
-            }
+    /// A line without `/`; `None` if it is left out.
+    pub(super) fn undeleted<'t>(&self, text: &'t str) -> Option<&'t str> {
+        match text.strip_prefix('/') {
+            Some(_) if self.options.block_delete => None,
             // Fanuc's switches /1 to /9 are a single switch here.
-            Some(rest) => rest.trim_start_matches(|c: char| c.is_ascii_digit()),
-            None => text,
+            Some(rest) => Some(rest.trim_start_matches(|c: char| c.is_ascii_digit())),
+            None => Some(text),
+        }
+    }
+
+    /// Takes a line cleaned by [`clean`](super::text::clean); returns its words, if it has any.
+    pub(super) fn begin<'t>(&mut self, line: u32, text: &'t str) -> Option<&'t str> {
+        self.line = line;
+        let Some(text) = self.undeleted(text) else {
+            self.note(line, "/", "left out by --block-delete");
+            return None;
         };
         if text == "%" {
             // The first % may begin the program; a second one ends it.
             self.ended = self.began;
             self.began = true;
-            return Ok(());
+            return None;
         }
-        if text.is_empty() {
-            return Ok(());
+        self.began |= !text.is_empty();
+        Some(text).filter(|text| !text.is_empty())
+    }
+
+    /// Executes the words of a line.
+    pub(super) fn execute(&mut self, line: u32, text: &str) -> Result<Next, Refusal> {
+        let mut settings = Vec::new();
+        let mut block = Block::read(line, text, &*self, &mut settings)?;
+        for (parameter, value) in settings {
+            self.assign(line, parameter, value)?;
         }
-        self.began = true;
-        let mut block = Block::read(line, text)?;
-        if block.program_number {
-            self.note(line, "O", "program number");
-            return Ok(());
+        if let Some(number) = block.m[m::CALL] {
+            return self.next(&mut block, number);
         }
         if self.nurbs.is_some() {
             self.stay_in_nurbs(&block)?;
+        }
+        if let Some(number) = block.m[m::STATE] {
+            self.save_or_restore(line, number)?;
         }
         self.set_feed(&mut block)?;
         self.spindle_and_tool(&mut block)?;
@@ -136,7 +179,31 @@ impl<'o> Interpreter<'o> {
         self.once(&mut block)?;
         self.go(&mut block)?;
         block.refuse_unused()?;
-        self.stop(&block)
+        self.stop(&block)?;
+        Ok(Next::Line)
+    }
+
+    /// M98 and M99.
+    fn next(&mut self, block: &mut Block, number: u16) -> Result<Next, Refusal> {
+        let line = block.line;
+        if block.g.iter().any(Option::is_some) || block.m.iter().flatten().count() > 1 {
+            return Err(Refusal::new(line, format!("M{number} beside another word"), "M98 or M99 on a separate line"));
+        }
+        let next = if number == 99 {
+            Next::Return
+        } else {
+            let whole = |value: f64| value.fract() == 0.0 && value >= 0.0;
+            let Some(label) = block.take('P').filter(|p| whole(*p)) else {
+                return Err(Refusal::new(line, "M98 without a program", "P with its number"));
+            };
+            let times = block.take('L').unwrap_or(1.0);
+            if !whole(times) {
+                return Err(Refusal::new(line, format!("M98 L{times}"), "a whole number of repeats"));
+            }
+            Next::Call { label: label as u32, times: times as u64 }
+        };
+        block.refuse_unused()?;
+        Ok(next)
     }
 
     /// Refuses a program that ends within a NURBS; `last` is its last line.
@@ -173,6 +240,10 @@ impl<'o> Interpreter<'o> {
         if number < 0.0 {
             return Err(Refusal::new(block.line, format!("`F{number}`"), "a positive feed"));
         }
+        if number > LARGEST {
+            self.note(block.line, "F above 1e6", "taken as the highest feed of the axes");
+        }
+        let number = number.min(LARGEST);
         self.feed = (number > 0.0).then(|| Feed { number, mm: self.mm(number) });
         Ok(())
     }
@@ -191,7 +262,8 @@ impl<'o> Interpreter<'o> {
     /// S, T, M3 to M9, M19, M48 to M53, M6, M61 and M62 to M68.
     fn spindle_and_tool(&mut self, block: &mut Block) -> Result<(), Refusal> {
         let line = block.line;
-        if block.take('S').is_some() {
+        if let Some(speed) = block.take('S') {
+            self.spindle.speed = speed;
             self.note(line, "S", "");
         }
         if let Some(number) = block.take('T') {
@@ -210,6 +282,17 @@ impl<'o> Interpreter<'o> {
             let Some(number) = block.m[group] else { continue };
             self.note(line, &format!("M{number}"), "");
             match number {
+                3..=5 => self.spindle.word = number,
+                7 => self.spindle.mist = true,
+                8 => self.spindle.flood = true,
+                9 => (self.spindle.mist, self.spindle.flood) = (false, false),
+                67 | 68 if !(block.has("E") && block.has("Q")) => {
+                    return Err(Refusal::new(
+                        line,
+                        format!("M{number} without E and Q"),
+                        "E, the output, and Q, its value",
+                    ));
+                }
                 6 => self.loaded_tool = self.selected_tool.unwrap_or(self.loaded_tool),
                 61 => self.loaded_tool = block.take('Q').unwrap_or(0.0).clamp(0.0, 99_999_999.0) as u32,
                 19 | 48..=53 | 62.. => letters.chars().for_each(|letter| {
@@ -227,6 +310,12 @@ impl<'o> Interpreter<'o> {
     /// Modal G words, except motion.
     fn set_modes(&mut self, block: &mut Block) -> Result<(), Refusal> {
         let line = block.line;
+        if let Some(code) = block.g[g::LATHE] {
+            self.diameter = code == 70;
+        }
+        if self.diameter {
+            block.scale('X', 0.5);
+        }
         if block.g[g::ONCE] == Some(40) {
             if block.take('P').is_none_or(|seconds| seconds < 0.0) {
                 return Err(Refusal::new(line, "G4 without its time", "P with seconds"));
@@ -245,7 +334,11 @@ impl<'o> Interpreter<'o> {
         }
         self.set_tool_length(block)?;
         if let Some(code) = block.g[g::SYSTEM] {
-            self.choose_system(super::modal::system_number(code) - 1);
+            let system = super::modal::system_number(code) - 1;
+            // The one in force is not read again, as in LinuxCNC: its parameters may have been assigned.
+            if system != self.offsets.active {
+                self.choose_system(system);
+            }
         }
         match block.g[g::PATH] {
             Some(640) => {
@@ -272,6 +365,7 @@ impl<'o> Interpreter<'o> {
         }
         if let Some(code) = block.g[g::SPINDLE] {
             block.take('D');
+            self.spindle.surface_speed = code == 960;
             self.note(line, if code == 960 { "G96" } else { "G97" }, "");
         }
         Ok(())

@@ -1,15 +1,17 @@
 //! NC programs: G-code in, curves out.
 //!
-//! The dialect is the part of LinuxCNC's (RS274/NGC) that describes a path of up to six axes. The reader executes a word,
-//! accepts it with a note because it does not change the path, or refuses it with its line; it skips no word.
+//! The dialect is LinuxCNC's (RS274/NGC), as far as it describes a path of up to six axes: with parameters, expressions, loops
+//! and subprograms. The reader executes a word, accepts it with a note because it does not change the path, or refuses it with
+//! its line; it skips no word.
 //!
 //! | words | meaning |
 //! |---|---|
 //! | G0, G1 | straight line at rapid or programmed feed |
 //! | G2, G3 | arc or helix about the centre I J K or with radius R; P: number of turns begun (P1, or none, is at most one) |
 //! | A, B, C | with G0 to G3: rotary axes in degrees, in proportion to the parameter of the line or the angle of the arc |
-//! | G5.2, G5.3 | NURBS in XY: see [`Curve::Nurbs`] |
-//! | G38.2 | probing move, to its end: a line at the programmed feed; [`crate::calibration`] stops it where the probe trips |
+//! | G5, G5.1; G5.2, G5.3 | cubic, quadratic curve; NURBS; in XY: see [`Curve::Nurbs`] |
+//! | @, ^ | with G0 to G3: radius and angle instead of X and Y |
+//! | G38.2 to G38.5 | probing move, to its end: a line at the programmed feed; [`crate::calibration`] stops it where the probe trips |
 //! | G73, G81 to G86, G89 | canned cycles, with R P Q L, G98 and G99 |
 //! | G17, G18, G19 | plane of the arcs and cycles: XY, ZX, YZ |
 //! | G20, G21 | inch, mm |
@@ -21,9 +23,13 @@
 //! | G43 H, G43.1, G43.2, G49 | tool length: [`ToolTable`] |
 //! | G43.4 H, G49 | tool centre point mode on, off: X Y Z are the tip in workpiece coordinates |
 //! | G61.1, G4, M0, M1, M6, M60 | the axes come to rest |
+//! | G7, G8 | X is a diameter, a radius |
+//! | M70 to M73 | modes saved and restored |
+//! | #1, #<name>, \[ \], functions | parameters; expressions behind every letter |
+//! | O1 sub, call, if, while, do, repeat; M98, M99 | subprograms, also from files ([`ReadOptions::folder`]), and loops |
 //! | M2, M30, a second `%` | end; the rest is not read |
 //! | `/`, O1234, N | block delete ([`ReadOptions`]), program number, line number |
-//! | S, T, M3 to M9, M19, M48 to M53, M61 to M68, G8, G40, G61, G64 P, G96, G97 | no effect on the path: [`Note`] |
+//! | S, T, M3 to M9, M19, M48 to M53, M61 to M65, M67, M68, G40, G61, G64 P, G96, G97 | no effect on the path: [`Note`] |
 //!
 //! A program starts at X0 Y0 Z0 A0 B0 C0 of the machine in G17 G21 G49 G90 G91.1 G94 G99, without a feed or a motion mode.
 //! Moves are in machine coordinates, which are the program's as long as no offset is active.
@@ -40,20 +46,29 @@ pub mod canonical;
 mod curve;
 mod cycles;
 mod error;
+mod expression;
 mod files;
+mod flow;
 mod frame;
 mod interpreter;
+mod language;
 pub mod limits;
 mod modal;
+mod modes;
 mod moves;
 mod notes;
 mod numbered;
 mod nurbs;
 mod nurbs_block;
+mod o_word;
 mod offsets;
 mod options;
+mod parameters;
 mod places;
 mod repeated;
+mod saved;
+mod spline;
+mod state;
 mod text;
 mod tool_table;
 mod words;
@@ -220,29 +235,12 @@ impl Program {
         options: &ReadOptions,
         most_pieces: u64,
     ) -> Result<Program, ProgramError> {
-        let builder = Program::interpret(bytes, options, most_pieces).map_err(|refusal| refusal.in_file(file))?;
-        Ok(Program::of(name, file, builder))
+        Ok(Program::of(name, file, flow::read(bytes, file, options, most_pieces)?))
     }
 
     fn of(name: &str, file: &str, builder: builder::Builder) -> Program {
         let notes = builder.notes.into_vec();
         Program { name: name.to_owned(), file: file.to_owned(), moves: builder.moves, notes, first: builder.first }
-    }
-
-    fn interpret(bytes: &[u8], options: &ReadOptions, most_pieces: u64) -> Result<builder::Builder, Refusal> {
-        text::refuse_utf16(bytes)?;
-        let mut interpreter = interpreter::Interpreter::new(options, most_pieces);
-        let mut last = 0;
-        let mut text = String::new();
-        for (line, bytes) in text::lines(bytes) {
-            if interpreter.ended {
-                break;
-            }
-            last = line;
-            text::clean(line, bytes, &mut text)?;
-            interpreter.run(line, &text)?;
-        }
-        interpreter.finish(last)
     }
 
     /// Length of the whole path: mm, or degrees in moves measured in degrees ([`Move::in_degrees`]).

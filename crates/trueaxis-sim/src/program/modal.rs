@@ -21,6 +21,8 @@ pub(super) mod g {
 
 /// Groups of M words.
 pub(super) mod m {
+    pub(in super::super) const CALL: usize = 0;
+    pub(in super::super) const STATE: usize = 1;
     pub(in super::super) const STOP: usize = 4;
     pub(in super::super) const IO: usize = 5;
     pub(in super::super) const TOOL: usize = 6;
@@ -31,18 +33,18 @@ pub(super) mod m {
 }
 
 /// Supported G words, for messages.
-pub(super) const G_WORDS: &str = "G0 G1 G2 G3 G4 G5.2 G5.3 G8 G10 G17 G18 G19 G20 G21 G28 G28.1 G30 G30.1 G38.2 G40 G43 G43.1 \
+pub(super) const G_WORDS: &str = "G0 G1 G2 G3 G4 G5 G5.1 G5.2 G5.3 G7 G8 G10 G17 G18 G19 G20 G21 G28 G28.1 G30 G30.1 G38.2 to G38.5 G40 G43 G43.1 \
      G43.2 G43.4 G49 G52 G53 G54 to G59.3 G61 G61.1 G64 G73 G80 to G86 G89 G90 G90.1 G91 G91.1 G92 to G92.3 G93 G94 \
      G96 to G99";
 
 /// Supported M words, for messages.
-pub(super) const M_WORDS: &str = "M0 to M9 M19 M30 M48 to M53 M60 to M65 M67 M68";
+pub(super) const M_WORDS: &str = "M0 to M9 M19 M30 M48 to M53 M60 to M65 M67 M68 M70 to M73 M98 M99";
 
 /// Group of a G word given in tenths, if it is supported.
 pub(super) fn g_group(tenths: u16) -> Option<usize> {
     Some(match tenths {
         40 | 100 | 280 | 281 | 300 | 301 | 520 | 530 | 920..=923 => g::ONCE,
-        0 | 10 | 20 | 30 | 52 | 53 | 382 | 730 | 800 | 810 | 820 | 830 | 840 | 850 | 860 | 890 => g::MOTION,
+        0 | 10 | 20 | 30 | 50..=53 | 382..=385 | 730 | 800 | 810 | 820 | 830 | 840 | 850 | 860 | 890 => g::MOTION,
         170 | 180 | 190 => g::PLANE,
         900 | 910 => g::DISTANCE,
         901 | 911 => g::CENTER,
@@ -54,7 +56,7 @@ pub(super) fn g_group(tenths: u16) -> Option<usize> {
         540 | 550 | 560 | 570 | 580 | 590..=593 => g::SYSTEM,
         610 | 611 | 640 => g::PATH,
         960 | 970 => g::SPINDLE,
-        80 => g::LATHE,
+        70 | 80 => g::LATHE,
         _ => return None,
     })
 }
@@ -68,21 +70,20 @@ pub(super) fn m_group(number: u16) -> Option<usize> {
         3 | 4 | 5 | 19 => m::SPINDLE,
         7..=9 => m::COOLANT,
         48..=53 => m::OVERRIDE,
+        70..=73 => m::STATE,
+        98 | 99 => m::CALL,
         _ => return None,
     })
 }
 
 /// Whether LinuxCNC executes a G word that is not supported here: its own interpreter can then read the program.
 pub(super) fn linuxcnc_has_g(tenths: u16) -> bool {
-    matches!(
-        tenths,
-        50 | 51 | 70 | 330 | 331 | 383..=385 | 410 | 411 | 420 | 421 | 700..=722 | 740 | 760 | 870 | 880 | 950
-    )
+    matches!(tenths, 330 | 331 | 410 | 411 | 420 | 421 | 700..=722 | 740 | 760 | 870 | 880 | 950)
 }
 
 /// Whether LinuxCNC executes an M word that is not supported here.
 pub(super) fn linuxcnc_has_m(number: u16) -> bool {
-    matches!(number, 66 | 70..=73 | 98 | 99)
+    number == 66
 }
 
 /// G54, G55 … G59.3 as 1 to 9.

@@ -9,15 +9,24 @@ use super::interpreter::Interpreter;
 use super::modal::{g, m};
 use super::nurbs_block::NurbsBlock;
 
+const CUBIC: u16 = 50;
+const QUADRATIC: u16 = 51;
 const NURBS: u16 = 52;
 const NURBS_END: u16 = 53;
-const PROBE: u16 = 382;
 
 impl Interpreter<'_> {
     /// Executes the motion of a line, if any.
     pub(super) fn go(&mut self, block: &mut Block) -> Result<(), Refusal> {
         let line = block.line;
         let explicit = block.g[g::MOTION];
+        if explicit == Some(CANCEL) {
+            self.rapid_after_cancel = match self.motion {
+                Some(730..=890) => self.before_cycle.is_none_or(|code| code == 0),
+                motion => motion == Some(0),
+            };
+        } else if explicit.is_some_and(|code| code < 730) {
+            self.before_cycle = explicit;
+        }
         if let Some(code) = explicit {
             self.motion = Some(code).filter(|code| !matches!(*code, CANCEL | NURBS_END));
         }
@@ -26,6 +35,9 @@ impl Interpreter<'_> {
         }
         if !self.motion.is_some_and(|code| matches!(code, 730..=890 if code != CANCEL)) {
             self.cycle_start = None;
+        }
+        if self.motion != Some(CUBIC) {
+            self.spline_end = None;
         }
         if block.g[g::ONCE] == Some(530) {
             return self.in_machine_coordinates(block);
@@ -37,14 +49,22 @@ impl Interpreter<'_> {
                 let (end, _) = self.target(block);
                 self.straight(line, pace, end)
             }
-            Some(PROBE) if moving => self.probe(block),
-            Some(PROBE) if explicit.is_some() => Err(Refusal::new(line, "G38.2 alone", "axis words with it")),
+            Some(code @ 382..=385) if moving => self.probe(block, code),
+            Some(382..=385) if explicit.is_some() => Err(Refusal::new(line, "G38 alone", "axis words with it")),
+            Some(code @ (CUBIC | QUADRATIC)) if moving || block.has("IJPQ") || explicit.is_some() => {
+                self.spline(block, code == CUBIC)
+            }
             Some(code @ (20 | 30)) if moving || block.has("IJKR") || explicit.is_some() => self.arc(block, code == 20),
             Some(NURBS) if moving || block.has("PL") || explicit.is_some() => self.control_point(block),
             Some(NURBS_END) => self.close_nurbs(line),
             Some(code @ 730..=890) if moving => self.drill(block, code),
             Some(code @ 730..=890) if explicit.is_some() => {
                 Err(Refusal::new(line, format!("G{} alone", code / 10), "axis words with a canned cycle"))
+            }
+            None if moving && self.rapid_after_cancel => {
+                self.note(line, "axis words after G80", "move at rapid");
+                let (end, _) = self.target(block);
+                self.straight(line, Pace::Rapid, end)
             }
             _ => Ok(()),
         }
@@ -59,20 +79,25 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// G38.2.
-    fn probe(&mut self, block: &mut Block) -> Result<(), Refusal> {
+    /// G38.2 to G38.5.
+    fn probe(&mut self, block: &mut Block, code: u16) -> Result<(), Refusal> {
         let line = block.line;
-        self.refuse_tool_center(line, "G38.2")?;
+        let name = format!("G{}", f64::from(code) / 10.0);
+        self.refuse_tool_center(line, &name)?;
         if self.inverse_time {
-            return Err(Refusal::new(line, "G38.2 in G93", "G94"));
+            return Err(Refusal::new(line, format!("{name} in G93"), "G94"));
         }
         let pace = self.feed(line)?;
         let (end, _) = self.target(block);
         if !self.builder.line_to(line, pace, end, self.plane.normal())? {
             return Err(Refusal::new(line, "a probing move without length", "an end away from where it starts"));
         }
-        self.note(line, "G38.2", "moves to its end: the simulation has nothing to touch");
-        self.builder.probe();
+        self.note(line, &name, "moves to its end: the simulation has nothing to touch");
+        self.builder.stop();
+        if code < 384 {
+            self.builder.probe();
+        }
+        self.probed();
         Ok(())
     }
 
@@ -118,7 +143,30 @@ impl Interpreter<'_> {
             given[axis] = true;
             self.needs_rotary(block.line, axis);
         }
+        if let Some(polar) = self.polar(block, place, given) {
+            [place[0], place[1]] = polar;
+            (given[0], given[1]) = (true, true);
+        }
         (self.keep_still(self.frame.to_machine(place), given), given)
+    }
+
+    /// X and Y by @ and ^: the radius and the angle about the program's zero, or what they grow by in G91. What is not given
+    /// stays.
+    fn polar(&self, block: &mut Block, [x, y, ..]: [f64; 6], given: [bool; 6]) -> Option<[f64; 2]> {
+        // Beside X or Y they remain, and are refused. The origin has no angle.
+        if given[0] || given[1] || ((self.incremental || !block.has("^")) && x == 0.0 && y == 0.0) {
+            return None;
+        }
+        let (radius, angle) = (block.take('@').map(|radius| self.mm(radius)), block.take('^'));
+        let before = if self.incremental { 1.0 } else { 0.0 };
+        if radius.is_none() && angle.is_none() {
+            return None;
+        }
+        let (here, direction) = (libm::hypot(x, y), libm::atan2(y, x));
+        let radius = radius.map_or(here, |radius| radius + before * here);
+        let angle = angle.map_or(direction, |angle| angle.to_radians() + before * direction);
+        let (sine, cosine) = libm::sincos(angle);
+        Some([radius * cosine, radius * sine])
     }
 
     /// Keeps axes that nothing moves where they are, to the last bit.

@@ -13,13 +13,15 @@ pub(super) struct NurbsBlock {
     /// Line of G5.2.
     pub(super) line: u32,
     order: usize,
+    /// Whether the next line is that of G5.2.
+    first: bool,
     points: Vec<[f64; 3]>,
     weights: Vec<f64>,
 }
 
 impl NurbsBlock {
     pub(super) fn new(line: u32, start: [f64; 3]) -> Self {
-        NurbsBlock { line, order: DEFAULT_ORDER, points: vec![start], weights: vec![1.0] }
+        NurbsBlock { line, order: DEFAULT_ORDER, first: true, points: vec![start], weights: vec![1.0] }
     }
 
     /// Adds the words of one line: X and Y (both or neither), P, and on the first line L.
@@ -30,7 +32,7 @@ impl NurbsBlock {
         weight: Option<f64>,
         order: Option<f64>,
     ) -> Result<(), Refusal> {
-        let first = line == self.line;
+        let first = std::mem::replace(&mut self.first, false);
         if let Some(order) = order {
             let highest = (MAX_DEGREE + 1) as f64;
             if !first || order.fract() != 0.0 || !(DEFAULT_ORDER as f64..=highest).contains(&order) {

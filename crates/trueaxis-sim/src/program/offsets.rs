@@ -109,6 +109,35 @@ impl Offsets {
         Ok(offsets)
     }
 
+    /// Assigns a parameter of [`Offsets::parameter`].
+    pub(super) fn assign(&mut self, line: u32, number: u32, value: f64) -> Result<(), Refusal> {
+        if number == 5220 {
+            return Err(Refusal::new(line, "`#5220` assigned", "G54 to G59.3"));
+        }
+        in_range(line, value)?;
+        self.set_parameter(line, number, value)
+    }
+
+    /// A parameter that LinuxCNC reserves, mm and degrees; `None` for others.
+    pub(super) fn parameter(&self, number: u32) -> Option<f64> {
+        let axis = |first: u32| (number - first) as usize;
+        match number {
+            5161..=5166 => self.home[0].get(axis(5161)).copied(),
+            5181..=5186 => self.home[1].get(axis(5181)).copied(),
+            5210 => Some(f64::from(u8::from(self.g92_active))),
+            5211..=5216 => self.g92.get(axis(5211)).copied(),
+            5220 => Some(self.active as f64 + 1.0),
+            5221..=5399 => {
+                let system = self.systems.get(axis(5221) / 20)?;
+                match axis(5221) % 20 {
+                    9 => Some(system.rotation_deg),
+                    place => system.offset.get(place).copied(),
+                }
+            }
+            _ => None,
+        }
+    }
+
     /// Sets a parameter that LinuxCNC reserves; others have no meaning here.
     fn set_parameter(&mut self, line: u32, number: u32, value: f64) -> Result<(), Refusal> {
         let axis = |first: u32| (number - first) as usize;

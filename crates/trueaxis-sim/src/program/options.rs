@@ -1,5 +1,7 @@
 //! Options for reading a program.
 
+use std::path::PathBuf;
+
 use super::{Offsets, ToolTable};
 
 /// Tools, offsets and block delete, in addition to a program's text.
@@ -11,4 +13,6 @@ pub struct ReadOptions {
     pub offsets: Option<Offsets>,
     /// Whether lines that begin with `/` are skipped.
     pub block_delete: bool,
+    /// Folder with the files of subprograms, the program's own; if absent, they are in the program itself.
+    pub folder: Option<PathBuf>,
 }

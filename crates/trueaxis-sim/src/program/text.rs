@@ -4,9 +4,14 @@ use std::borrow::Cow;
 
 use super::error::Refusal;
 
+/// Where the text of a file begins: after a byte order mark.
+pub(super) fn beginning(bytes: &[u8]) -> usize {
+    if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 }
+}
+
 /// The lines of a file with their numbers, from 1, without a byte order mark.
 pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = (u32, &[u8])> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let bytes = bytes.get(beginning(bytes)..).unwrap_or_default();
     (1_u32..).zip(bytes.split(|byte| *byte == b'\n'))
 }
 

@@ -7,6 +7,9 @@ use super::block::AXIS_LETTERS;
 use super::error::Refusal;
 use super::words::LARGEST;
 
+/// Most tools of LinuxCNC's table.
+const MOST_TOOLS: usize = 1000;
+
 /// Offsets of tools, mm and degrees, by number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToolTable {
@@ -21,6 +24,21 @@ impl ToolTable {
     /// An invalid word, a line without T, a duplicate tool, a value outside ±1e6; with its line.
     pub fn parse(text: &str, file: &str) -> Result<ToolTable, ProgramError> {
         ToolTable::read(text).map_err(|refusal| refusal.in_file(file))
+    }
+
+    /// A table of tools without length: of all that a program names by T or H, up to as many as LinuxCNC takes.
+    pub fn without_lengths(program: &str) -> ToolTable {
+        let mut table = ToolTable::default();
+        for word in program.lines().flat_map(|line| line.split(['T', 'H']).skip(1)) {
+            let digits = word.bytes().take_while(u8::is_ascii_digit).count();
+            let number = word.get(..digits).and_then(|number| number.parse::<u32>().ok());
+            if let Some(number) = number.filter(|number| *number > 0)
+                && table.offsets.len() < MOST_TOOLS
+            {
+                table.offsets.insert(number, [0.0; 6]);
+            }
+        }
+        table
     }
 
     fn read(text: &str) -> Result<ToolTable, Refusal> {

@@ -1,14 +1,15 @@
-//! Splits the text of a line into letters with numbers.
+//! Splits the text of a line into letters with values, and assignments.
 
-use super::error::{Refusal, THROUGH_LINUXCNC};
+use super::error::Refusal;
+use super::expression::{Parameter, Reader, Values};
 
 /// Largest magnitude of a number in a program. Beyond it f64 no longer resolves a nanometre.
 pub(super) const LARGEST: f64 = 1.0e6;
 
-/// A letter with its number.
+/// A letter with its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Word<'t> {
-    /// Upper case.
+    /// Upper case; `@` and `^` for radius and angle.
     pub(super) letter: char,
     pub(super) value: f64,
     /// As written, without blanks.
@@ -23,60 +24,74 @@ impl Word<'_> {
     }
 }
 
-/// The words of a line cleaned by [`clean`](super::text::clean).
-pub(super) struct Words<'t> {
-    line: u32,
-    rest: &'t str,
+/// A word or an assignment.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Item<'t> {
+    Word(Word<'t>),
+    /// `#` … `=` …
+    Set(Parameter<'t>, f64),
 }
 
-impl<'t> Words<'t> {
-    pub(super) fn new(line: u32, text: &'t str) -> Self {
-        Words { line, rest: text }
+/// The items of a line cleaned by [`clean`](super::text::clean).
+pub(super) struct Words<'t, 'v, V> {
+    line: u32,
+    reader: Reader<'t, 'v, V>,
+}
+
+impl<'t, 'v, V: Values> Words<'t, 'v, V> {
+    pub(super) fn new(line: u32, text: &'t str, values: &'v V) -> Self {
+        Words { line, reader: Reader::new(line, text, values) }
     }
 
-    fn word(&mut self) -> Result<Word<'t>, Refusal> {
-        let (line, rest) = (self.line, self.rest);
+    fn item(&mut self) -> Result<Item<'t>, Refusal> {
+        let (line, rest) = (self.line, self.reader.rest);
         let refuse = |found: &str, needed: &str| Err(Refusal::new(line, format!("`{found}`"), needed));
         let letter = rest.chars().next().unwrap_or(' ');
         match letter {
-            '#' | '[' => return refuse(rest, &format!("numbers; parameters and expressions {THROUGH_LINUXCNC}")),
-            'A'..='Z' => {}
+            '#' => return self.assignment(),
+            'A'..='Z' | '@' | '^' => {}
             '/' => return refuse(rest, "/ only at the beginning of a line"),
             '%' => return refuse(rest, "% on a separate line"),
-            _ => return refuse(rest, "words of a letter and a number, ( ) or ;"),
+            _ => return refuse(rest, "words of a letter and a value, ( ) or ;"),
         }
-        let number = rest.get(1..).unwrap_or_default();
-        if number.starts_with(['#', '[']) {
-            return refuse(rest, &format!("a number after {letter}; parameters and expressions {THROUGH_LINUXCNC}"));
+        self.reader.rest = rest.get(1..).unwrap_or_default();
+        if self.reader.rest.is_empty() {
+            return refuse(rest, &format!("a number after {letter}"));
         }
-        let signs = usize::from(number.starts_with(['+', '-']));
-        let digits = number.bytes().skip(signs).take_while(|b| b.is_ascii_digit() || *b == b'.').count();
-        let (number, after) = number.split_at(signs + digits);
-        let text = rest.get(..1 + number.len()).unwrap_or_default();
-        self.rest = after;
-        let value = match number.parse::<f64>() {
-            Ok(value) => value,
-            Err(_) => return refuse(text, &format!("a number after {letter}")),
-        };
-        // N and T are ordinal numbers, not measures.
-        if value.abs() > LARGEST && !matches!(letter, 'N' | 'T') {
+        let value = self.reader.value()?;
+        let text = rest.get(..rest.len() - self.reader.rest.len()).unwrap_or_default();
+        // N and T are ordinal numbers, not measures; F may be above what any machine reaches.
+        if value.abs() > LARGEST && !matches!(letter, 'N' | 'T' | 'F') {
             return refuse(text, &format!("a number within ±{LARGEST} after {letter}"));
         }
-        Ok(Word { letter, value, text })
+        Ok(Item::Word(Word { letter, value, text }))
+    }
+
+    fn assignment(&mut self) -> Result<Item<'t>, Refusal> {
+        let text = self.reader.rest;
+        let parameter = self.reader.parameter()?;
+        if !self.reader.take("=") {
+            return Err(Refusal::new(
+                self.line,
+                format!("`{text}`"),
+                "= and a value, or a letter before the parameter",
+            ));
+        }
+        Ok(Item::Set(parameter, self.reader.value()?))
     }
 }
 
-impl<'t> Iterator for Words<'t> {
-    type Item = Result<Word<'t>, Refusal>;
+impl<'t, V: Values> Iterator for Words<'t, '_, V> {
+    type Item = Result<Item<'t>, Refusal>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.rest.is_empty() {
+        if self.reader.rest.is_empty() {
             return None;
         }
-        let word = self.word();
-        if word.is_err() {
-            self.rest = "";
+        let item = self.item();
+        if item.is_err() {
+            self.reader.rest = "";
         }
-        Some(word)
+        Some(item)
     }
 }
