@@ -269,8 +269,8 @@ test("the page responds and draws during a run", async () => {
   const going = await frames();
   console.log(`frames a second: ${idle.toFixed(1)} idle, ${going.toFixed(1)} during a run`);
   assert.match(await panel.locator(".bar output").textContent(), /million cycles a second/);
-  // If the idle page draws slowly, the computer is busy and the rate says little about the run.
-  assert.ok(going > Math.min(30, 0.5 * idle), `${going} frames a second, ${idle} idle`);
+  // A page that does not respond draws nothing for seconds. How much more it draws depends on what else the computer does.
+  assert.ok(going > Math.min(15, 0.25 * idle), `${going} frames a second, ${idle} idle`);
   await panel.getByRole("button", { name: "Pause" }).click();
   await state(panel, "paused");
   await close();
