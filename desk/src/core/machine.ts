@@ -69,6 +69,15 @@ export class MachineStore {
     return this.forth.at(-1)?.[1];
   }
 
+  /** The files that undo and redo would restore. */
+  get undone(): Files | undefined {
+    return this.back.at(-1)?.[0].files;
+  }
+
+  get redone(): Files | undefined {
+    return this.forth.at(-1)?.[0].files;
+  }
+
   /** Opens a machine without a history. The module must have read the files. */
   open(name: string, files: Files): void {
     this.back.length = this.forth.length = 0;

@@ -62,13 +62,24 @@ export class Editor {
     return this.queue("load", () => this.take(name, files, what, ""));
   }
 
-  /** After the changes that are queued; the subscription to the machine evaluates it again. */
+  /** After the changes that are queued. */
   undo(): Promise<void> {
-    return this.queue("", async () => undo(this.desk));
+    return this.queue("", () => this.restore(this.desk.machine.undone, undo));
   }
 
   redo(): Promise<void> {
-    return this.queue("", async () => redo(this.desk));
+    return this.queue("", () => this.restore(this.desk.machine.redone, redo));
+  }
+
+  /** Evaluates the machine before it is set: a later evaluation would overwrite what is being typed. */
+  private async restore(files: Files | undefined, step: (desk: Desk) => void): Promise<void> {
+    if (!files) return;
+    const json = JSON.stringify(files);
+    const shown = await this.evaluate(json);
+    [this.json, this.shown] = [json, shown];
+    step(this.desk);
+    this.last.key = "";
+    this.notify();
   }
 
   private async take(name: string, files: Files, what: string, key: string): Promise<void> {
