@@ -52,11 +52,18 @@ export function clearest({ result, tables }: Shown): string {
     if (most && unit > 0) return `${text(most[0])} is ${text(most[value])} ± ${text(most[expanded])} ${text(most[unit])}, the clearest of ${known.length}.`;
   }
   const table = tables.find((table) => column(table, "unit") > 0);
-  if (!table) return "";
+  if (!table) return first(tables);
   const value = Math.max(1, columns(table)[0]);
   const most = largest(table.rows.filter((row) => Number.isFinite(number(row[value]))), (row) => number(row[value]));
   const heading = table.header[value];
   return most ? `${text(most[0])}${heading === "value" ? "" : `, ${heading}`}: ${text(most[value])} ${text(most[column(table, "unit")])}.` : "";
+}
+
+/** The first figure of tables that have their unit in the heading: "Roundness of the mean of 8 revolutions, LSC: 1.234 µm." */
+function first(tables: readonly Table[]): string {
+  const table = tables.find(({ header: [, heading] }) => heading?.endsWith(", µm"));
+  const [row] = table?.rows ?? [];
+  return row ? `${table!.caption}, ${text(row[0])}: ${text(row[1])} µm.` : "";
 }
 
 /** What a model leaves of a drift that it did not see. */
