@@ -63,6 +63,14 @@ class Cycle(Call):
         """sent', v' and target' are finite"""
         return self.all(*(self.finite(value) for value in self.after.values()))
 
+    def aims_finite(self):
+        """sent', v' and target' are finite, given that open <= C"""
+        return self.either(self.numbers(), self.beyond())
+
+    def beyond(self):
+        """open > C, which no limiter has that is made from settings."""
+        return self.denied(self.at_most(self.limits["open"], self.limits["magnitude"]))
+
     def added(self):
         """sent' = fl(sent + v'), or v' = fl(sent' - sent)"""
         before, after = self.before["sent"], self.after["sent"]
@@ -78,8 +86,7 @@ class Cycle(Call):
     def aimed(self):
         """|target'| <= C, given that open <= C"""
         holds = self.at_most(self.size(self.after["target"]), self.limits["magnitude"])
-        above = self.denied(self.at_most(self.limits["open"], self.limits["magnitude"]))
-        return self.either(holds, above)
+        return self.either(holds, self.beyond())
 
     def rests(self):
         """target' = sent'"""
@@ -97,8 +104,8 @@ class Cycle(Call):
 
 # For each function: whether it takes a wanted correction, and its claims (name of the claim, whether for any velocity).
 FUNCTIONS = {
-    "follow": (1, [("slope", False), ("acceleration", False), ("numbers", False), ("added", False), ("told", False),
-                   ("aimed", False), ("slowed", True), ("acceleration", True), ("numbers", True)]),
+    "follow": (1, [("slope", False), ("acceleration", False), ("aims_finite", False), ("added", False), ("told", False),
+                   ("aimed", False), ("slowed", True), ("acceleration", True), ("aims_finite", True)]),
     "freeze": (0, [("slope", False), ("slower", True), ("acceleration", True), ("added", True), ("rests", True),
                    ("numbers", True)]),
     "hold": (0, [("stands", True), ("rests", True), ("numbers", True)]),
