@@ -76,15 +76,15 @@ fn the_report_has_the_circle_and_reversals_where_there_are_some() {
     for expected in [
         "Circle in polar coordinates",
         "circle of 20.0 mm in the plane XY",
-        "full, zone",
-        "<th>full</th>",
+        "everything on, zone",
+        "<th>everything on</th>",
         "X turns",
         "Y turns",
     ] {
         assert!(whole.contains(expected), "`{expected}` is missing");
     }
     let plain = page("plain");
-    assert!(!plain.contains("Dynamic correction at reversals") && !plain.contains("<th>full</th>"));
+    assert!(!plain.contains("Dynamic correction at reversals") && !plain.contains("<th>everything on</th>"));
     let run = directory.json(&["run", "--json", "--program", "own.ngc", "--rate-hz", "2000", "--machine", "plain"]);
     assert!(run["contour_error_um"]["servo_only"].is_object() && run["contour_error_um"].get("full").is_none());
 }

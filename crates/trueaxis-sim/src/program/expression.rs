@@ -26,7 +26,7 @@ pub(super) trait Values {
     /// Value of #1, #2 …; `None` if there is no parameter of that number.
     fn numbered(&self, number: u32) -> Option<f64>;
 
-    /// Value of #<name>, in upper case without blanks; `None` if it has none.
+    /// Value of `#<name>`, in upper case without blanks; `None` if it has none.
     fn named(&self, name: &str) -> Option<f64>;
 }
 

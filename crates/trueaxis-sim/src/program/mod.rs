@@ -25,7 +25,7 @@
 //! | G61.1, G4, M0, M1, M6, M60 | the axes come to rest |
 //! | G7, G8 | X is a diameter, a radius |
 //! | M70 to M73 | modes saved and restored |
-//! | #1, #<name>, \[ \], functions | parameters; expressions behind every letter |
+//! | `#1`, `#<name>`, `[ ]`, functions | parameters; expressions behind every letter |
 //! | O1 sub, call, if, while, do, repeat; M98, M99 | subprograms, also from files ([`ReadOptions::folder`]), and loops |
 //! | M2, M30, a second `%` | end; the rest is not read |
 //! | `/`, O1234, N | block delete ([`ReadOptions`]), program number, line number |

@@ -1,4 +1,4 @@
-//! Parameters of a program: #1 to #5602, #<name> of a subprogram, #<_name> of all.
+//! Parameters of a program: `#1` to `#5602`, `#<name>` of a subprogram, `#<_name>` of all.
 
 use std::collections::BTreeMap;
 
