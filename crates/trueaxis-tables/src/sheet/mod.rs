@@ -76,7 +76,11 @@ impl<'r> Sheet<'r> {
         }
         sheet.header = sheet.record.iter().map(|name| bare(name).to_owned()).collect();
         sheet.header_line = sheet.line;
-        if sheet.header.iter().all(|name| sheet.origin.number(sheet.line, "", &name.replace(',', ".")).is_ok()) {
+        // +1 and −1 name the runs of a matrix.
+        let is_of_runs = sheet.header.iter().any(|name| name.starts_with('+'));
+        if !is_of_runs
+            && sheet.header.iter().all(|name| sheet.origin.number(sheet.line, "", &name.replace(',', ".")).is_ok())
+        {
             let found = sheet.header.join(&sheet.separator().to_string());
             return Err(sheet.origin.at(
                 sheet.line,
