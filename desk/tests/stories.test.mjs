@@ -38,6 +38,7 @@ async function put(page, panel, machine) {
 test("ballbar, machine, scope: the error falls with the corrected tables, in either theme, and undo takes the correction back", async () => {
   const { page, close } = await openDesk();
   const ballbar = await view(page, "Ballbar");
+  await ballbar.getByRole("button", { name: /^Put into the machine.*→/ }).waitFor();
   const text = await put(page, ballbar, "mill-3axis");
   // Old value, new value, and how well it is known.
   assert.match(text, /^Put into the machinebacklash X \S+ → \S+ ± \S+ µm; /);
