@@ -111,7 +111,7 @@ test("a table dragged, scope: the error rises with the edited table", async () =
   const found = await errors(panel);
   console.log(`dragged: ${found.before} to ${found.after} µm`);
   assert.equal(found.direction, "rises");
-  assert.ok(found.after > 2 * found.before, `${found.before} to ${found.after} µm`);
+  assert.ok(found.after > 1.5 * found.before, `${found.before} to ${found.after} µm`);
 
   // What is saved is the edited machine.
   const { name, bytes } = await saved(page, header(page).getByRole("button", { name: "Save machine" }));
