@@ -40,7 +40,7 @@ const NURBS: &str = "G0 X0 Y0\nF1000\nG5.2 P1 L3\nX0 Y1 P1\nX2 Y2 P2\nX2 Y0 P1\n
     G92 X0 Y0\nG92.1\nG52 X1\nG10 L2 P1 X3 R45\nG53 G0 Z0\nG28 Z5\nG30.1\nG30\nG59.3\nM30\n";
 const LOOPS: &str = "#1=3 #<_g>=[2*#1 MOD 4]\no<s> sub\nG1 X#1 Y[sin[#2]] F100\no5 if [#1 GT 2]\no<s> return [1]\no5 elseif [#1]\n\
     o5 else\no5 endif\no<s> endsub\no1 while [#1 GT 0]\no<s> call [#1] [-#<_g>**2]\n#1=[#1-1]\no1 endwhile\no2 do\no3 repeat [2]\n\
-    G91 G1 X1\no3 endrepeat\no2 while [#<_value> LT 1]\nM70\nG20\nM72\nG0 @3^45\nG5 X1 Y1 I0 J3 P0 Q-3\nG5.1 X2 I1 J1\nM98 P9 L2\n\
+    G91 G1 X1\no3 endrepeat\no2 while [#<_value> GT 1]\nM70\nG20\nM72\nG0 @3^45\nG5 X1 Y1 I0 J3 P0 Q-3\nG5.1 X2 I1 J1\nM98 P9 L2\n\
     M30\nO9\nG1 X[atan[1]/[2]]\nM99\n";
 const PARAMETERS: &str = "5161\t1.5\n5210\t1\n5211\t2\n5220\t3\n5261\t-4\n5270\t15.000\n5390 0\n";
 
