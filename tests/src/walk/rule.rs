@@ -75,7 +75,7 @@ rules! {
     PartsOff: "a part of the dynamic correction that is not configured, switched off or inactive wants nothing",
     NoDynamic: "a record has a dynamic part exactly where one is configured",
     Learned: "the learned part is the input's, bit for bit, as far as it is usable",
-    FeedbackStands: "under a refused reading the contour feedback wants the value of its integral, which stays constant",
+    FeedbackStands: "under a refused reading the contour feedback wants the value of its integral, which stays constant until its axis reverses",
     FeedbackOut: "the watch's flag stays until the feedback is switched off or a reset comes",
     Rtcp: "positions found for a tool bring it there; a tool that is refused stops with the refusal's fault",
     Copied: "a copied state gives the same bits, and `step` those of `step_into`",

@@ -159,7 +159,8 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         if let (Some((before, parts)), Some((now, on))) = (self.parts.frozen, frozen)
             && parts == on
         {
-            let same = before == now;
+            let mut axes = now.iter().zip(&before);
+            let same = axes.all(|(now, before)| now == before || *now == R::ZERO);
             self.tally.that(Rule::FeedbackStands, same, || format!("{now:?} after {before:?}"))?;
         }
         self.parts.frozen = frozen;
