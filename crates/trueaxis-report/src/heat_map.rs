@@ -5,8 +5,8 @@ const KEYS: u32 = 5;
 
 /// A map of values over a grid: `rows` from the bottom to the top of `y`, each from the left to the right of `x`.
 ///
-/// All cells have equal size and together cover both scales. Their colours are those of errors in the desk. A value that is not finite leaves its cell blank. The legend
-/// shows the colours of five values in `unit`.
+/// All cells have equal size and together cover both scales. Their colours are those of errors in the desk. A value that is not
+/// finite leaves its cell blank. The legend shows the colours of five values in `unit`.
 #[must_use]
 pub fn heat_map(description: &str, x: Scale, y: Scale, rows: &[Vec<f64>], unit: &str) -> Figure {
     let values = || rows.iter().flatten().copied().filter(|value| value.is_finite());

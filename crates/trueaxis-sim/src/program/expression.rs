@@ -1,8 +1,7 @@
 //! Values of a line: numbers, parameters, expressions in brackets, functions.
 //!
 //! `**` binds strongest, then `*` `/` MOD, then `+` `-`, then the comparisons, then AND OR XOR; equal ones from the left. A sign
-//! belongs to its value: `-2**2` is 4. For EQ and NE,
-//! values that differ by less than 1e-4 are equal. Angles are in degrees.
+//! belongs to its value: `-2**2` is 4. For EQ and NE, values that differ by less than 1e-4 are equal. Angles are in degrees.
 
 use super::error::Refusal;
 
@@ -40,7 +39,7 @@ pub(super) enum Parameter<'t> {
 /// Reads values from a line cleaned by [`clean`](super::text::clean).
 pub(super) struct Reader<'t, 'v, V> {
     line: u32,
-    /// What is not read yet.
+    /// The part of the line that has not been read yet.
     pub(super) rest: &'t str,
     values: &'v V,
     depth: u32,

@@ -64,7 +64,7 @@ impl ReadOptions {
         Ok(ReadOptions { tools: tools.transpose()?, offsets: offsets.transpose()?, block_delete, folder: None })
     }
 
-    /// The same with subprograms from the files beside the program.
+    /// Also finds subprograms in the files beside the program.
     pub fn beside(mut self, program: &Path) -> Self {
         self.folder =
             program.parent().map(|folder| if folder == Path::new("") { Path::new(".") } else { folder }.into());

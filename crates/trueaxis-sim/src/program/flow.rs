@@ -379,7 +379,7 @@ impl<'o> Flow<'o> {
         Ok(())
     }
 
-    /// Turns back to the beginning of a loop if it goes on, from its end or from within.
+    /// Begins the next turn of a loop that goes on, from its end or from within.
     fn turn(&mut self, mut open: Open, at_end: bool) -> Result<(), Refusal> {
         let goes_on = match open.word.kind {
             Kind::Repeat => open.remain > 0,

@@ -28,10 +28,10 @@ pub(super) struct CannedCycle {
     pub(super) peck: Option<f64>,
 }
 
-/// What follows a line.
+/// Which line runs next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Next {
-    /// The next one.
+    /// The one that follows.
     Line,
     /// M98.
     Call { label: u32, times: u64 },
@@ -69,7 +69,7 @@ pub(super) struct Interpreter<'o> {
     pub(super) nurbs: Option<NurbsBlock>,
     /// Direction in which the next G5 begins, mm.
     pub(super) spline_end: Option<[f64; 2]>,
-    /// Last motion word that is no cycle, in tenths.
+    /// Last motion word other than a canned cycle, in tenths.
     pub(super) before_cycle: Option<u16>,
     /// Whether axis words after G80 move at rapid.
     pub(super) rapid_after_cancel: bool,

@@ -13,8 +13,8 @@
 //! that dithers around a table point does not leave it in every cycle. Beyond the ends of a table, the cell is the rest
 //! of the axis.
 //!
-//! Without grids, a cycle fills at most one cell. A point without all of its cells is looked up in the tables themselves meanwhile, so that
-//! no cycle costs more than that, however many cells an exchange or a reversal drops at once.
+//! Without grids, a cycle fills at most one cell. A point without all of its cells is looked up in the tables themselves
+//! meanwhile, so that no cycle costs more than that, however many cells an exchange or a reversal drops at once.
 //!
 //! With grids, a cell also ends where the box ends in which their sum is one polynomial: an axis that stays in its cells
 //! stays in the box.

@@ -1,4 +1,4 @@
-//! Refills the cells that an axis has left, one a cycle, and reads the tables themselves where a cell is missing.
+//! Refills the cells that an axis has left, one at a time, and reads the tables themselves where a cell is missing.
 
 use super::cache::{Cells, Point};
 use super::cell::{Cell, Window, plus, times};
