@@ -12,11 +12,12 @@
 //!
 //! e is normal to the path, so <e, r> needs no projection. At the share w a part leaves (w − p)² N and without it p² N. While
 //! the host has the parts on trial ([`super::Dynamics::ON_TRIAL`]), all shares start at 0. A share rises, at most 100/s, to
-//! 0.8 p where the part explains 80 % of the error (there it counts as helping again), and falls as fast to 0.8 p for p < 0.9 w, if r explains a tenth of <e, e>.
-//! Nothing is judged while r is below 0.3 µm (RMS over the time of the sums). After a move of w the sums are those of the new
-//! share, so that p stays. The share of friction ends where a reversal reaches the limit of d: beyond it d would be longer than
-//! the spike, not higher. Parts that are not on trial act in full; the step then multiplies no shares and advances nothing here.
-//! A trial that begins in motion begins at rest: r, all sums and all shares are 0.
+//! 0.8 p where the part explains 80 % of the error (there it counts as helping again), and falls as fast to 0.8 p for p < 0.9
+//! w, if r explains a tenth of <e, e>. Nothing is judged while r is below 0.3 µm (RMS over the time of the sums). After a move
+//! of w the sums are those of the new share, so that p stays. The share of friction ends where a reversal reaches the limit of
+//! d: beyond it d would be longer than the spike, not higher. Parts that are not on trial act in full; the step then
+//! multiplies no shares and advances nothing here. A trial that begins in motion begins at rest: r, all sums and all shares
+//! are 0.
 //!
 //! One share serves all axes: where several reverse at once, on a line, their spikes cancel in part, and taking out one
 //! alone would uncover the other. The share multiplies ΔF of friction and acceleration: a share that moves displaces
