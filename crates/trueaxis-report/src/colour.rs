@@ -56,8 +56,8 @@ const PAIRS: [(Colour, Colour); 12] = [
 /// The page itself: what lies under a figure, and the rim of text and of bold curves.
 const PAPER: (Colour, Colour) = (WHITE, Colour(20, 23, 27));
 
-/// Errors from the smallest to the largest, on a light page and on a dark one: the larger the error, the further its lightness is from
-/// that of the page.
+/// Errors from the smallest to the largest, on a light page and on a dark one: the larger the error, the further its lightness
+/// is from that of the page.
 const ERRORS: [[Colour; 5]; 2] = [
     [Colour(75, 147, 189), Colour(96, 113, 178), Colour(136, 66, 134), Colour(140, 26, 66), Colour(84, 4, 16)],
     [Colour(79, 127, 181), Colour(152, 138, 200), Colour(222, 150, 164), Colour(246, 190, 120), Colour(255, 233, 168)],
