@@ -63,9 +63,10 @@ fn each_construct_goes_where_linuxcnc_goes() {
     }
 }
 
-/// Two of some hundred differed by more than the tolerance, which is not explained yet.
+/// Two of some hundred differ by more than the tolerance: their loops amplify a rounding. Where 1e-13 is added to `#<_g>` in the
+/// last loop of number 43, end points of `rs274` itself move by 1.6 µm. Such programs are still to be kept from being drawn.
 #[test]
-#[ignore = "two programs are not explained yet"]
+#[ignore = "the loops of two programs amplify a rounding"]
 fn random_programs_go_where_linuxcnc_goes() {
     if !installed() {
         return;
