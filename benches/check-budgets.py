@@ -43,7 +43,7 @@ def measure(target):
     if target != "base":
         root = root / target
     environment["CARGO_TARGET_DIR"] = str(root)
-    command = ["cargo", "bench", "-q", "--profile", "image", "-p", "trueaxis-benches", "--features", "counts", "--bench", "counts", "--", "--save-summary=json"]
+    command = ["cargo", "bench", "-q", "--profile", "counted", "-p", "trueaxis-benches", "--features", "counts", "--bench", "counts", "--", "--save-summary=json"]
     done = subprocess.run(command, env=environment, cwd=HERE.parent, stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
         sys.exit(f"the counts did not run:\n{done.stdout}")
@@ -56,9 +56,9 @@ def measure(target):
 
 def steps(root, environment):
     """Counts of whole steps, each cycle alone: all along the butterfly, and the dearest adversarial ones."""
-    command = ["cargo", "build", "-q", "--profile", "image", "-p", "trueaxis-benches", "--features", "counts", "--bin", "counted"]
+    command = ["cargo", "build", "-q", "--profile", "counted", "-p", "trueaxis-benches", "--features", "counts", "--bin", "counted"]
     subprocess.run(command, env=environment, cwd=HERE.parent, check=True)
-    program = root / "image/counted"
+    program = root / "counted/counted"
     walks = {name: each(program, "counted_walk", name) for name in WALKS}
     dearest = tomllib.loads(ADVERSARIAL.read_text())["m7"]["dearest"]
     hard = each(program, "counted_adversarial", "adversarial", *map(str, dearest))

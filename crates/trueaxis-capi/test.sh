@@ -14,7 +14,8 @@ out=$target/capi
 mkdir -p "$out"
 export CARGO_TARGET_DIR=$target
 
-# The library: host, Cortex-M4F, Cortex-M7. Both are built in one folder, so that what runs on the host is built once.
+# The library: host, Cortex-M4F (for three axes, as grblHAL's plugin links it), Cortex-M7. Both are built in one folder, so
+# that what runs on the host is built once.
 "$root/.ci/commands"
 host=$target/release/libtrueaxis_capi.a
 thumb() { # name, further arguments of cargo
@@ -23,7 +24,7 @@ thumb() { # name, further arguments of cargo
     CARGO_TARGET_DIR=$target/capi-mcu cargo rustc --quiet --lib --crate-type staticlib --profile image -p trueaxis-capi --target "$mcu" "$@"
     cp "$target/capi-mcu/$mcu/image/libtrueaxis_capi.a" "$out/$name.a"
 }
-thumb m4f --features single
+thumb m4f --features single,three
 CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS='-Ctarget-cpu=cortex-m7' thumb m7 --features fp64
 
 # Tables: the sample machine's, the same with half the errors, and a damaged file.

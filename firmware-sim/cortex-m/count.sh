@@ -21,14 +21,14 @@ mcu=thumbv7em-none-eabihf
 # In the repository's folder: the configuration of this folder builds for the processor.
 CARGO_TARGET_DIR=$on_host "$repository/.ci/commands"
 # With the flags of the host's budgets, which have built it already.
-(cd "$repository" && CARGO_TARGET_DIR=$on_host cargo build --quiet --profile image -p trueaxis-benches --features counts --bin counted)
+(cd "$repository" && CARGO_TARGET_DIR=$on_host cargo build --quiet --profile counted -p trueaxis-benches --features counts --bin counted)
 inputs=$target/count
 mkdir -p "$inputs"
 "$on_host/release/trueaxis" tables compile machine -o "$inputs/a.tcomp" 2>"$inputs/compile.log"
 "$on_host/release/trueaxis" tables compile machine/warm.toml -o "$inputs/b.tcomp" 2>>"$inputs/compile.log"
 "$on_host/release/firmware-sim" record --machine machine --program short-tour --rate-hz 1000 --drill --exchange-at 12000 \
     -o "$inputs/run.rec" >"$inputs/record.log" 2>&1
-"$on_host/image/counted" digest >"$target/host.txt"
+"$on_host/counted/counted" digest >"$target/host.txt"
 
 request=()
 case ${1-} in
