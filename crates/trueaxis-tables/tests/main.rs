@@ -5,6 +5,7 @@ mod additions;
 mod axis_csv;
 mod change;
 mod collapse;
+mod columns;
 mod finding;
 mod formats;
 mod formats_five_axes;

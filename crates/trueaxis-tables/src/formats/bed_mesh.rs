@@ -38,7 +38,7 @@
 //! Source: Klipper, docs/Bed_Mesh.md and klippy/extras/bed_mesh.py.
 
 use super::Imported;
-use super::decimal::to_six_places;
+use super::decimal::{to_nanometre, to_six_places};
 use super::grid_csv::imported;
 use crate::error::FileError;
 use crate::grid::{Grid, GridSource};
@@ -170,7 +170,7 @@ pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, F
         notes.push(format!(
             "the heights are {} mm on average: with that in the Z offset of the machine, {} mm remain to be corrected",
             Figure(mean),
-            Figure(rounded(left))
+            Figure(to_nanometre(left))
         ));
     }
     let given = [false, false, true, false, false, false];
@@ -181,7 +181,7 @@ pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, F
     });
     // Lines of constant Y become nodes with Y innermost.
     let values = (0..nodes[0].len())
-        .flat_map(|x| heights.iter().map(move |row| [0.0, 0.0, rounded(target - row[x]), 0.0, 0.0, 0.0]));
+        .flat_map(|x| heights.iter().map(move |row| [0.0, 0.0, to_nanometre(target - row[x]), 0.0, 0.0, 0.0]));
     let fade_mm = fade.map(|Fade { heights: [start, end], .. }| {
         let raised = [start + mean, end + target];
         // A mesh higher than the length of its fade is refused as too steep, as in Klipper.
@@ -196,11 +196,6 @@ pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, F
 
 /// Mean height from which a note advises moving it into the Z offset, mm.
 const LARGE_MEAN: f64 = 0.5;
-
-/// Rounds to a nanometre, finer than heights are written, as a table in µm is read; turns −0 into 0.
-fn rounded(height: f64) -> f64 {
-    (height * 1e6).round() / 1e3 / 1e3 + 0.0
-}
 
 /// Nodes along an axis.
 fn along(mesh: &Section<'_>, letter: &str, origin: &Origin) -> Result<Vec<f64>, FileError> {

@@ -145,12 +145,7 @@ pub(super) fn import(text: &str, origin: &Origin, axis: Option<Axis>) -> Result<
              the runs alone explains {expected:.2}"
         )
     });
-    let one_way = (measurement.directions.len() == 1).then(|| {
-        let key = if axis.is_rotary() { "backlash_urad" } else { "backlash_um" };
-        format!(
-            "one direction of approach: the table is valid for both, without lost motion, which {key} of the axis states"
-        )
-    });
+    let one_way = (measurement.directions.len() == 1).then(|| one_way(axis));
     Ok(Imported {
         grids: Vec::new(),
         tables: vec![(axis, table)],
@@ -159,6 +154,14 @@ pub(super) fn import(text: &str, origin: &Origin, axis: Option<Axis>) -> Result<
         notes: dialect.map(str::to_owned).into_iter().chain(mean_of_both).chain(one_way).collect(),
         replaces_grids: false,
     })
+}
+
+/// A note on a table that was measured in one direction.
+pub(super) fn one_way(axis: Axis) -> String {
+    let key = if axis.is_rotary() { "backlash_urad" } else { "backlash_um" };
+    format!(
+        "one direction of approach: the table is valid for both, without lost motion, which {key} of the axis states"
+    )
 }
 
 /// Writes the axis' own error as a measurement of one run without scatter, backlash included, to 1 nm (0.001 µrad).
