@@ -108,6 +108,9 @@ pub(crate) enum Command {
         /// Columns of a file with other names, with --from columns: position=Pos,forward=Fwd,reverse=Rev.
         #[arg(long, value_name = "NAMES")]
         columns: Option<String>,
+        /// Lowest X and Y and highest X and Y of the mesh's points, mm, with --from marlin and a log that does not have them.
+        #[arg(long, value_name = "X,Y,X,Y", allow_hyphen_values = true)]
+        area: Option<String>,
         /// Name of the mesh in a file of several, with bed-mesh; the one called default unless given.
         #[arg(long, value_name = "NAME")]
         mesh: Option<String>,
@@ -177,13 +180,15 @@ pub(crate) fn run(command: Command) -> Result<()> {
         Command::Compile { machine, rate_hz, output } => compile::compile(&machine, rate_hz, &output),
         Command::Show { file, json } => compile::show(&file, json),
         Command::Collapse(arguments) => collapse::run(&arguments),
-        Command::Import { from, file, axis, comp_file_type, unit, columns, mesh, output, new } => {
+        Command::Import { from, file, axis, comp_file_type, unit, columns, area, mesh, output, new } => {
+            let format = convert::format("--from", &from, comp_file_type)?;
             let options = convert::ImportOptions {
-                format: convert::format("--from", &from, comp_file_type)?,
+                format,
                 recognise: from == "linuxcnc" && comp_file_type.is_none(),
                 axis: axis_of(axis.as_deref())?,
-                unit: unit.as_deref().map(convert::unit).transpose()?,
+                unit: unit.as_deref().map(|unit| convert::unit(unit, format)).transpose()?,
                 columns: columns.as_deref(),
+                area: area.as_deref().map(convert::area).transpose()?,
                 mesh: mesh.as_deref(),
                 new,
             };

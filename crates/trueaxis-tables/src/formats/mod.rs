@@ -11,7 +11,10 @@
 //! | [`isg`] volumetric CSV | all six errors, location errors; as comments chain, offsets, tool | +E (mm, rad) |
 //! | [`iso230_2`] measurement | deviations of single approaches | +E (µm, µrad) |
 //! | [`columns`] of any name, read only | positioning, measured once in each direction | position + E, or E |
+//! | `.rtl` of Renishaw, read only | deviations of single approaches | +E (µm) |
 //! | [`bed_mesh`] of Klipper, read only | a surface over X and Y | EZ = −height (mm) |
+//! | `heightmap.csv` of RepRapFirmware, read only | a surface over X and Y | EZ = −height (mm) |
+//! | [`marlin`]'s printed meshes, read only | a surface over X and Y | EZ = −height (mm) |
 //! | grid CSV, read only | errors over two or three linear axes | +E (µm, µrad) |
 //!
 //! Import refuses data that it would have to ignore. Export refuses data that the format cannot store, unless [`Loss::Drop`]
@@ -22,18 +25,22 @@ pub mod bed_mesh;
 pub mod columns;
 mod decimal;
 pub(crate) mod grid_csv;
+mod heightmap;
 pub mod isg;
 mod isg_notes;
 pub mod iso230_2;
 pub mod linuxcnc;
 mod losses;
 mod machine_toml;
+pub mod marlin;
 mod measured_at;
 mod own_comments;
 mod positioning;
+mod rtl;
 mod servo_toml;
 pub mod siemens;
 pub(crate) mod stated;
+mod surface;
 mod toml_lines;
 
 pub(crate) use axis_csv::write_axis_csv_known;
@@ -66,22 +73,31 @@ pub enum Format {
     Iso230_2,
     /// Positions or deviations of one axis in columns of any name; read only.
     Columns,
+    /// Linear measurement of Renishaw's laser software, one axis per file; read only.
+    Rtl,
     /// Bed mesh of Klipper, a surface over X and Y; read only.
     BedMesh,
+    /// Height map of RepRapFirmware, a surface over X and Y; read only.
+    HeightMap,
+    /// Bed mesh in a log of Marlin, a surface over X and Y; read only.
+    Marlin,
     /// Grid CSV, `X_mm,Y_mm,EX_um,…`; read only.
     Grid,
 }
 
 impl Format {
     /// Every format with its command-line name.
-    pub const ALL: [(&'static str, Format); 8] = [
+    pub const ALL: [(&'static str, Format); 11] = [
         ("linuxcnc-0", Format::LinuxCnc(CompFileType::Positions)),
         ("linuxcnc-1", Format::LinuxCnc(CompFileType::Trims)),
         ("siemens", Format::Siemens),
         ("isg", Format::Isg),
         ("iso230-2", Format::Iso230_2),
         ("columns", Format::Columns),
+        ("rtl", Format::Rtl),
         ("bed-mesh", Format::BedMesh),
+        ("heightmap", Format::HeightMap),
+        ("marlin", Format::Marlin),
         ("grid", Format::Grid),
     ];
 
@@ -233,11 +249,14 @@ pub fn import(format: Format, text: &str, file: &Path, axis: Option<Axis>) -> Re
         Format::Isg => isg::import(text, &origin, axis),
         Format::Iso230_2 => iso230_2::import(text, &origin, axis),
         Format::Columns => return columns::import(text, file, axis, &columns::Mapping::default()),
+        Format::Rtl => rtl::import(text, &origin, axis),
         Format::BedMesh => bed_mesh::import(text, file, None),
+        Format::HeightMap => heightmap::import(text, &origin),
+        Format::Marlin => marlin::import(text, file, None),
         Format::Grid => grid_csv::import(text, &origin),
     }?;
     // Positions and errors of these formats are sums and means of what the file states.
-    Ok(finished(imported, matches!(format, Format::LinuxCnc(_) | Format::Siemens | Format::Iso230_2)))
+    Ok(finished(imported, matches!(format, Format::LinuxCnc(_) | Format::Siemens | Format::Iso230_2 | Format::Rtl)))
 }
 
 /// The import with rounded tables, if its numbers were calculated, and with notes on them.
@@ -298,7 +317,7 @@ pub fn export(format: Format, machine: &Machine, options: &ExportOptions) -> Res
         Format::Siemens => siemens::export(machine, options, &origin, &mut exported)?,
         Format::Isg => isg::export(machine, options, &mut exported),
         Format::Iso230_2 => iso230_2::export(machine, options, &mut exported),
-        Format::Columns | Format::BedMesh | Format::Grid => {
+        Format::Columns | Format::Rtl | Format::BedMesh | Format::HeightMap | Format::Marlin | Format::Grid => {
             let needed = "a format that is written: linuxcnc, siemens, isg or iso230-2";
             return Err(origin.whole(format!("the format {}, which is only read", format.name()), needed));
         }
