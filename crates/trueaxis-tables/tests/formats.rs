@@ -7,6 +7,8 @@ use std::path::Path;
 
 use trueaxis::machine::Axis;
 use trueaxis_tables::error::FileError;
+use trueaxis_tables::exact::Geometry;
+use trueaxis_tables::files::Memory;
 use trueaxis_tables::formats::linuxcnc::CompFileType;
 use trueaxis_tables::formats::{ExportOptions, Exported, Format, Imported, Loss, export, import};
 use trueaxis_tables::{Machine, Table};
@@ -496,6 +498,36 @@ fn rotary_sense() {
     assert!((value(&machine) + table).abs() < 1.001e-9);
     machine.settings.chain = "w X' b Z C t".parse().unwrap();
     assert!((value(&machine) - table).abs() < 1.001e-9);
+}
+
+/// A new axis has its table's range as travel, and a cubic where its points allow one: between the points it is nearer to a
+/// smooth error than straight lines.
+#[test]
+fn a_new_axis_is_cubic_through_four_points() {
+    let error = |x: f64| 20.0 * (x / 60.0).sin();
+    let toml = |count: u32| {
+        let rows = (0..count).map(|k| format!("{},{:.4}\n", 40 * k, error(40.0 * f64::from(k))));
+        let text = format!("Position (mm),Forward (um)\n{}", rows.collect::<String>());
+        let files = read(Format::Columns, &text, Some(Axis::X)).machine_files("m");
+        let machine = Machine::read_from(&Memory::new(files.clone()), Path::new("machine.toml"), &mut |_| {}).unwrap();
+        (files[0].1.clone(), machine)
+    };
+    let (three, _) = toml(3);
+    assert!(three.contains("interpolation = \"linear\"\ntravel_mm = [0.0, 80.0]"), "{three}");
+    let (text, machine) = toml(9);
+    assert!(text.contains("interpolation = \"cubic\"\ntravel_mm = [0.0, 320.0]"), "{text}");
+    let straight = |x: f64| {
+        let low = 40.0 * (x / 40.0).floor();
+        error(low) + (x - low) / 40.0 * (error(low + 40.0) - error(low))
+    };
+    let exact = Geometry::new(&machine, 0.0).unwrap();
+    let mut squares = [0.0_f64; 2];
+    for x in (0..320).map(f64::from) {
+        let found = 1e3 * exact.tip_error(&[x, 0.0, 0.0, 0.0, 0.0, 0.0], &[0.0; 6])[0];
+        squares[0] += (found - error(x)).powi(2);
+        squares[1] += (straight(x) - error(x)).powi(2);
+    }
+    assert!(squares[0] < 0.25 * squares[1], "{squares:?}");
 }
 
 fn is_written(format: Format) -> bool {

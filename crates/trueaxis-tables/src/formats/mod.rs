@@ -155,8 +155,9 @@ impl Imported {
     /// else was set.
     ///
     /// With [`Imported::settings`], it is the machine that they describe. Otherwise the file does not state the order of the
-    /// axes: `chain` puts all of them on the tool side and says so in a comment, and interpolation is linear, as in the
-    /// controls that wrote the files. Limits that the corrections need above the defaults are set ([`Edited::notes`]).
+    /// axes: `chain` puts all of them on the tool side and says so in a comment; the range of a
+    /// table is the travel, and interpolation is cubic through four points or more, through fewer linear. Limits that the
+    /// corrections need above the defaults are set ([`Edited::notes`]).
     pub fn new_machine(&self, name: &str) -> Edited {
         axis_csv::new_machine(self, name)
     }
