@@ -115,6 +115,46 @@ fn clipped_corrections_are_reported() {
     assert_eq!(directory.json(&[&correct[..], &["--json"]].concat())["clipped"], serde_json::json!(["Z"]));
 }
 
+/// A table of an instrument with its own names, a height map and a printed mesh become machines; options that do not belong to
+/// the format are refused.
+#[test]
+fn files_of_instruments_and_printers_are_imported() {
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("t.csv", "No;Pos;Fwd;Rev\n1;0;0,4;1,9\n2;50;1;2,5\n3;100;-2,1;3,6\n");
+    let columns = ["tables", "import", "--from", "columns", "t.csv", "--axis", "X", "--unit", "um", "--columns"];
+    let said = directory.reported(&[&columns[..], &["position=Pos,forward=Fwd,reverse=Rev", "-o", "m"]].concat());
+    assert!(
+        said.contains("Pos in mm; Fwd and Rev in um are deviations, +E") && said.contains("not read: No"),
+        "{said}"
+    );
+    assert_eq!(directory.read("m/x.csv"), "X_mm,EXX_fwd_um,EXX_rev_um\n0,0.4,1.9\n50,1,2.5\n100,-2.1,3.6\n");
+    directory.bad(
+        &[&columns[..], &["position=Pos,forward=Forw", "-o", "n"]].concat(),
+        &["t.csv:1: found no column for --columns forward=Forw, needed one of No, Pos, Fwd, Rev"],
+    );
+    let map = "RepRapFirmware height map file v2\nxmin,xmax,ymin,ymax,radius,xspacing,yspacing,xnum,ynum\n\
+               0,200,0,100,-1,100,100,3,2\n 0.000, 0.100, 0.176\n 0.000, 0.100, 0.176\n";
+    directory.write("heightmap.csv", map);
+    let said = directory.reported(&["tables", "import", "--from", "heightmap", "heightmap.csv", "-o", "p"]);
+    assert!(said.contains("limits.magnitude_um of axis Z set to 220, as the corrections reach 176"), "{said}");
+    directory.write("log.txt", "Bilinear Leveling Grid:\n 0 1 2\n0 +0.000 +0.100 +0.150\n1 +0.000 +0.100 +0.176\n\n");
+    let marlin = ["tables", "import", "--from", "marlin", "log.txt", "-o", "p"];
+    directory.bad(&marlin, &["log.txt:1: found a mesh of 3 by 2 points without an area", "--area X,Y,X,Y"]);
+    let said = directory.reported(&[&marlin[..], &["--area", "-10,0,190,100"]].concat());
+    assert!(said.contains("the grid \"grid.csv\" is replaced"), "{said}");
+    assert!(directory.read("p/grid.csv").starts_with("X_mm,Y_mm,EZ_um\n-10,0,0\n-10,100,0\n90,0,-100\n"));
+    for (more, words) in [
+        (["--area", "0,0,1"], "--area: found \"0,0,1\", needed X,Y,X,Y"),
+        (["--columns", "position=a,forward=b"], "--columns: found it with marlin, needed --from columns"),
+        (["--mesh", "warm"], "--mesh: found it with marlin"),
+    ] {
+        directory.bad(&[&marlin[..], &more].concat(), &[words]);
+    }
+    directory.bad(&[&marlin[..], &["--area", "0,0,1,1", "--unit", "mm"]].concat(), &["--unit: found it with marlin"]);
+    let grid = ["tables", "import", "--from", "grid", "p/grid.csv", "--area", "0,0,1,1", "-o", "q"];
+    directory.bad(&grid, &["--area: found it with grid, needed --from marlin"]);
+}
+
 /// Errors stated in the settings need no table, and kinematics needs only the chain.
 #[test]
 fn a_machine_needs_no_table() {

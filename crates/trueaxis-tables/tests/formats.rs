@@ -7,6 +7,8 @@ use std::path::Path;
 
 use trueaxis::machine::Axis;
 use trueaxis_tables::error::FileError;
+use trueaxis_tables::exact::Geometry;
+use trueaxis_tables::files::Memory;
 use trueaxis_tables::formats::linuxcnc::CompFileType;
 use trueaxis_tables::formats::{ExportOptions, Exported, Format, Imported, Loss, export, import};
 use trueaxis_tables::{Machine, Table};
@@ -498,11 +500,45 @@ fn rotary_sense() {
     assert!((value(&machine) - table).abs() < 1.001e-9);
 }
 
+/// A new axis has its table's range as travel, and a cubic where its points allow one: between the points it is nearer to a
+/// smooth error than straight lines.
+#[test]
+fn a_new_axis_is_cubic_through_four_points() {
+    let error = |x: f64| 20.0 * (x / 60.0).sin();
+    let toml = |count: u32| {
+        let rows = (0..count).map(|k| format!("{},{:.4}\n", 40 * k, error(40.0 * f64::from(k))));
+        let text = format!("Position (mm),Forward (um)\n{}", rows.collect::<String>());
+        let files = read(Format::Columns, &text, Some(Axis::X)).machine_files("m");
+        let machine = Machine::read_from(&Memory::new(files.clone()), Path::new("machine.toml"), &mut |_| {}).unwrap();
+        (files[0].1.clone(), machine)
+    };
+    let (three, _) = toml(3);
+    assert!(three.contains("interpolation = \"linear\"\ntravel_mm = [0.0, 80.0]"), "{three}");
+    let (text, machine) = toml(9);
+    assert!(text.contains("interpolation = \"cubic\"\ntravel_mm = [0.0, 320.0]"), "{text}");
+    let straight = |x: f64| {
+        let low = 40.0 * (x / 40.0).floor();
+        error(low) + (x - low) / 40.0 * (error(low + 40.0) - error(low))
+    };
+    let exact = Geometry::new(&machine, 0.0).unwrap();
+    let mut squares = [0.0_f64; 2];
+    for x in (0..320).map(f64::from) {
+        let found = 1e3 * exact.tip_error(&[x, 0.0, 0.0, 0.0, 0.0, 0.0], &[0.0; 6])[0];
+        squares[0] += (found - error(x)).powi(2);
+        squares[1] += (straight(x) - error(x)).powi(2);
+    }
+    assert!(squares[0] < 0.25 * squares[1], "{squares:?}");
+}
+
+fn is_written(format: Format) -> bool {
+    matches!(format, Format::LinuxCnc(_) | Format::Siemens | Format::Isg | Format::Iso230_2)
+}
+
 /// Damaged files are refused or read, without a panic.
 #[test]
 fn damaged_files_do_not_panic() {
     let machine = machine();
-    for (_, format) in Format::ALL.into_iter().filter(|(_, format)| !matches!(format, Format::BedMesh | Format::Grid)) {
+    for (_, format) in Format::ALL.into_iter().filter(|(_, format)| is_written(*format)) {
         for (_, text) in write(format, &machine, &dropping(Some(Axis::X))).files {
             for end in 0..text.len() {
                 let _ = import(format, &text[..end], Path::new("in"), Some(Axis::X));
@@ -514,6 +550,63 @@ fn damaged_files_do_not_panic() {
                     let _ = import(format, &String::from_utf8_lossy(&bytes), Path::new("in"), None);
                 }
             }
+        }
+    }
+}
+
+/// Random lines of the words of each format are refused or read, without a panic.
+#[test]
+fn random_files_do_not_panic() {
+    const WORDS: [&str; 40] = [
+        "0",
+        "1",
+        "-1",
+        "3",
+        "0.050",
+        "-0.010",
+        "+0.1",
+        "NAN",
+        ".",
+        "1e308",
+        "nan",
+        ",",
+        ", ",
+        ";",
+        "\t",
+        " ",
+        "\n",
+        "\n",
+        "\n",
+        ":",
+        "|",
+        "[",
+        "]",
+        "(20,20)  (220,120)\n",
+        "(20,120) (220,120)\n",
+        "Bilinear Leveling Grid:\n0 1\n0 ",
+        "0 | ",
+        "1 | ",
+        "Subdivided with CATMULL ROM Leveling Grid:\n0 1 2\n",
+        "Bed X: 20.000 Y: 20.000 Z: 0.1\n",
+        "Fade Height ",
+        "Bed Topography Report for CSV:\n",
+        "RepRapFirmware height map file v2\n",
+        "X,Y,0,10,0,10,-1,10,10,2,2\n",
+        "axis0,axis1,min0,max0,min1,max1,radius,spacing0,spacing1,num0,num1\n",
+        "HEADER::\nFile type : rtl\n",
+        "TARGET DATA::\nTargets :\n0 10 20\n",
+        "DEVIATIONS::\nRun Target Data:\n1 1 1\n1 2 2\n",
+        "Position (mm),",
+        "Forward (um)\n",
+    ];
+    let mut noise = Noise::new(41);
+    for (_, format) in Format::ALL {
+        for _ in 0..2_000 {
+            let count = 1 + noise.below(40);
+            let words: Vec<&str> = (0..count).map(|_| WORDS[noise.below(WORDS.len())]).collect();
+            let text = words.concat();
+            let axis = (noise.unit() < 0.5).then_some(Axis::X);
+            let _ = import(format, &text, Path::new("in"), axis);
         }
     }
 }

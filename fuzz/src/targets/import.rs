@@ -87,6 +87,69 @@ pub const ISO230_2: Target = target(
     },
 );
 
+/// Positions or deviations in columns of any name.
+pub const COLUMNS: Target = target(
+    "import_columns",
+    "readings in columns of any name",
+    |input| run(Format::Columns, input),
+    || {
+        vec![
+            b"X\nPosition (mm),Forward,Reverse\n0,0.4,1.9\n100,-2.1,3.6\n".to_vec(),
+            b"\nC (deg);Reading [arcsec]\n180;-2,5\n0;1,25\n".to_vec(),
+            b"Y\nnominal_mm\tmeasured_mm\n0\t0.0021\n100\t100.0034\n".to_vec(),
+        ]
+    },
+);
+
+/// Renishaw's linear measurements.
+pub const RTL: Target = target(
+    "import_rtl",
+    "linear measurements of Renishaw's laser software",
+    |input| run(Format::Rtl, input),
+    || {
+        vec![
+            b"\nHEADER::\r\nFile type  : rtl\r\nTARGET DATA::\r\nTarget-count: 2\r\nTargets :\r\n0.0 100.0\r\nFlags: 0 0 2 0\r\n\
+              USER-TEXT::\r\nAxis:X\r\nRUNS::\r\nRun-count:2\r\nDEVIATIONS::\r\nRun Target Data:\r\n1 1 0.1\r\n1 2 1.4\r\n\
+              2 2 2.9\r\n2 1 0.8\r\nEOF::\r\n"
+                .to_vec(),
+        ]
+    },
+);
+
+/// Height maps of RepRapFirmware.
+pub const HEIGHTMAP: Target = target(
+    "import_heightmap",
+    "height maps of RepRapFirmware",
+    |input| run(Format::HeightMap, input),
+    || {
+        vec![
+            b"\nRepRapFirmware height map file v2\naxis0,axis1,min0,max0,min1,max1,radius,spacing0,spacing1,num0,num1\n\
+              X,Y,20.00,220.00,20.00,120.00,-1.00,100.00,100.00,3,2\n  0.050,  0.040,      0\n  0.045, -0.010,  0.020\n"
+                .to_vec(),
+            b"\nRepRapFirmware height map file v1\nxmin,xmax,ymin,ymax,radius,spacing,xnum,ynum\n0,50,0,50,-1,50,2,2\n\
+              0.1,0.2\n0.3,0.4\n"
+                .to_vec(),
+        ]
+    },
+);
+
+/// Meshes that Marlin prints.
+pub const MARLIN: Target = target(
+    "import_marlin",
+    "bed meshes in logs of Marlin",
+    |input| run(Format::Marlin, input),
+    || {
+        vec![
+            b"\nRecv:  ( 20,120) (220,120)\nRecv: 0 1 2\nRecv: 1 | +0.045  -0.010 [+0.020]\nRecv:   |\n\
+              Recv: 0 | +0.050  +0.040   0.000\nRecv: ( 20, 20) (220, 20)\nRecv: echo:Fade Height 10.00\n"
+                .to_vec(),
+            b"\nBed X: 20.000 Y: 20.000 Z: 0.1\nBed X: 220.000 Y: 120.000 Z: 0.1\n21:29:13.047 : Bilinear Leveling Grid:\n\
+              21:29:13.048 : 0 1\n21:29:13.048 : 0 +0.050 +0.040\n21:29:13.049 : 1 +0.045 -0.010\n\n"
+                .to_vec(),
+        ]
+    },
+);
+
 fn run(format: Format, input: &[u8]) {
     let Some(end) = input.iter().position(|byte| *byte == b'\n') else { return refused("no line for the axis") };
     let (head, rest) = input.split_at(end);
@@ -131,6 +194,10 @@ fn used(format: Format, axis: Option<Axis>, imported: &Imported) {
             let off = pairs.map(|(a, b)| (a - b).abs()).fold((read.position - row.position).abs(), f64::max);
             assert!(off < 1e-9, "{axis:?}: written and read again a line is off by {off}");
         }
+    }
+    if !matches!(format, Format::LinuxCnc(_) | Format::Siemens | Format::Isg | Format::Iso230_2) {
+        // The others are only read.
+        return;
     }
     let axis = axis.filter(|_| matches!(format, Format::LinuxCnc(_) | Format::Iso230_2));
     let options = ExportOptions { loss: Loss::Drop, axis, ..ExportOptions::default() };

@@ -6,7 +6,9 @@ use anyhow::{Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis_tables::files::{Folder, Memory};
+use trueaxis_tables::formats::columns::{Mapping, Unit};
 use trueaxis_tables::formats::linuxcnc::CompFileType;
+use trueaxis_tables::formats::marlin::Area;
 use trueaxis_tables::formats::{self, ExportOptions, Format, Imported};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::{Edited, Machine, Table};
@@ -27,9 +29,23 @@ How each format stores an error E = actual − ideal:
   iso230-2: measured deviations, µm and µrad; one row for each approach, or one for each target with a column for \
   each run: X_mm,+1,-1,+2,-2,… or X_mm,fwd_1_um,rev_1_um,…
 
+  columns: Position (mm),Forward,Reverse or Commanded,Reading, import only. Position, Commanded, Target, Nominal or the \
+  axis; Forward and Reverse, or one of Reading, Measured, Actual. Other names: --columns position=NAME,forward=NAME and \
+  ,reverse=NAME. Readings are positions or deviations, which the numbers tell. Unit in the name, as in Fwd (um): mm, um, \
+  inch, deg, arcsec, urad; --unit mm, um or inch is that of readings that state none (with um, positions are in mm).
+
+  rtl: linear measurement of Renishaw's laser software, µm, import only.
+
   bed-mesh: [bed_mesh NAME] of Klipper's printer.cfg, a grid over X and Y, import only. EZ = −height of the bed, \
   with the points that Klipper interpolates between the probed ones (mesh_x_pps, algo). fade_start, fade_end and \
   fade_target of [bed_mesh] (the mesh's mean unless given) become its fade. --mesh names one of several.
+
+  heightmap: heightmap.csv of RepRapFirmware, a grid over X and Y, import only. EZ = −height. Points that were not \
+  probed (0 without a decimal point) get the plane through the others, as there.
+
+  marlin: a log with the mesh that M420 V or G29 T prints (UBL, bilinear), a grid over X and Y, import only. \
+  EZ = −height. The positions are the printed corners or those of G29 V4 in the log, or --area X,Y,X,Y; Fade Height \
+  becomes its fade.
 
   grid: X_mm,Y_mm[,Z_mm],EX_um,…,EC_urad, +E, a line for every node in any order, import only.";
 
@@ -39,31 +55,31 @@ pub(super) fn format(option: &str, name: &str, comp_file_type: Option<u8>) -> Re
         ("linuxcnc", None | Some(0)) => Format::LinuxCnc(CompFileType::Positions),
         ("linuxcnc", Some(_)) => Format::LinuxCnc(CompFileType::Trims),
         _ => Format::from_name(name).ok_or_else(|| {
-            anyhow!("{option}: found \"{name}\", needed linuxcnc, linuxcnc-0, linuxcnc-1, siemens, isg, iso230-2, bed-mesh or grid")
+            anyhow!("{option}: found \"{name}\", needed linuxcnc, linuxcnc-0, linuxcnc-1, siemens, isg, iso230-2, columns, rtl, bed-mesh, heightmap, marlin or grid")
         })?,
     };
     Ok(format)
 }
 
-/// Unit of lengths in a file that does not state it.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Unit {
-    Millimetre,
-    Inch,
+/// The unit with this name; µm is one of readings only.
+pub(super) fn unit(name: &str, format: Format) -> Result<Unit> {
+    let of_readings = format == Format::Columns;
+    let unit = Unit::from_name(name).filter(|unit| of_readings || *unit != Unit::Micrometre);
+    let needed = if of_readings { "mm, um or inch" } else { "mm or inch" };
+    unit.ok_or_else(|| anyhow!("--unit: found \"{name}\", needed {needed}"))
 }
 
-pub(super) fn unit(name: &str) -> Result<Unit> {
-    match name {
-        "mm" => Ok(Unit::Millimetre),
-        "inch" => Ok(Unit::Inch),
-        _ => bail!("--unit: found \"{name}\", needed mm or inch"),
-    }
+/// The area `X,Y,X,Y`.
+pub(super) fn area(text: &str) -> Result<Area> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    let area = numbers.and_then(|numbers| Area::try_from(numbers).ok());
+    area.ok_or_else(|| anyhow!("--area: found \"{text}\", needed X,Y,X,Y: the lowest X and Y and the highest, mm"))
 }
 
 /// Converts the content of a file to mm. A format that does not state its unit is read in the given one.
 fn in_millimetres(imported: Imported, format: Format, unit: Option<Unit>, file: &Path) -> Result<Imported> {
     if !matches!(format, Format::LinuxCnc(_) | Format::Siemens) {
-        if unit.is_some() {
+        if unit.is_some() && format != Format::Columns {
             bail!("--unit: found it with {}, whose files state their units; needed none", format.name());
         }
         return Ok(imported);
@@ -88,6 +104,10 @@ pub(super) struct ImportOptions<'o> {
     pub(super) recognise: bool,
     pub(super) axis: Option<Axis>,
     pub(super) unit: Option<Unit>,
+    /// Names of the columns to read.
+    pub(super) columns: Option<&'o str>,
+    /// Area of a mesh in the log of Marlin.
+    pub(super) area: Option<Area>,
     /// Name of a mesh to read.
     pub(super) mesh: Option<&'o str>,
     /// Refuse a folder that already exists.
@@ -95,15 +115,26 @@ pub(super) struct ImportOptions<'o> {
 }
 
 pub(super) fn import(options: &ImportOptions<'_>, file: &Path, output: &Path) -> Result<()> {
-    let ImportOptions { format, recognise, axis, unit, mesh, new } = *options;
+    let ImportOptions { format, recognise, axis, unit, columns, area, mesh, new } = *options;
     let not_new = || anyhow!("--new: found {}, needed a folder that does not exist yet", output.display());
     if new && output.symlink_metadata().is_ok() {
         return Err(not_new());
     }
     let text = model::text(file)?;
     let format = if recognise { Format::LinuxCnc(formats::linuxcnc::recognise(&text, file)?) } else { format };
+    if columns.is_some() && format != Format::Columns {
+        bail!("--columns: found it with {}, needed --from columns", format.name());
+    }
+    if area.is_some() && format != Format::Marlin {
+        bail!("--area: found it with {}, needed --from marlin", format.name());
+    }
     let imported = match (format, mesh) {
         (Format::BedMesh, name) => formats::bed_mesh::import(&text, file, name)?,
+        (Format::Columns, None) => {
+            let mapping = columns.map(Mapping::parse).transpose().map_err(|error| anyhow!("--columns: {error}"))?;
+            formats::columns::import(&text, file, axis, &Mapping { unit, ..mapping.unwrap_or_default() })?
+        }
+        (Format::Marlin, None) => formats::marlin::import(&text, file, area)?,
         (_, None) => formats::import(format, &text, file, axis)?,
         _ => bail!("--mesh: found it with {}, needed --from bed-mesh", format.name()),
     };
@@ -133,7 +164,11 @@ pub(super) fn import(options: &ImportOptions<'_>, file: &Path, output: &Path) ->
         report_line(format_args!("written {}", output.join(name).display()));
     }
     let read_as = meaning(format);
-    let read_as = if unit == Some(Unit::Inch) { read_as.replace("mm", "inches") } else { read_as.to_owned() };
+    let read_as = if unit == Some(Unit::Inch) && format != Format::Columns {
+        read_as.replace("mm", "inches")
+    } else {
+        read_as.to_owned()
+    };
     report_line(format_args!("{}: {read_as}", format.name()));
     Ok(())
 }
@@ -205,7 +240,11 @@ fn meaning(format: Format) -> &'static str {
         Format::Siemens => "values = +E, mm or degrees, one direction",
         Format::Isg => "values = +E, mm and rad, rotary arguments in degrees",
         Format::Iso230_2 => "deviations = +E, µm or µrad",
-        Format::BedMesh => "heights = −EZ, mm: where the bed is high, the correction lifts the tool",
+        Format::Columns => "positions = commanded + E, or deviations = +E",
+        Format::Rtl => "deviations = +E, µm",
+        Format::BedMesh | Format::HeightMap | Format::Marlin => {
+            "heights = −EZ, mm: where the bed is high, the correction lifts the tool"
+        }
         Format::Grid => "values = +E, µm and µrad",
     }
 }

@@ -101,9 +101,16 @@ pub(crate) enum Command {
         /// COMP_FILE_TYPE of a LinuxCNC file.
         #[arg(long, value_name = "0|1", value_parser = clap::value_parser!(u8).range(0..=1))]
         comp_file_type: Option<u8>,
-        /// Unit of lengths in the file, mm or inch: needed with linuxcnc and siemens, whose files do not state it.
+        /// Unit of lengths in the file, mm or inch, with columns also um: needed with linuxcnc and siemens, whose files do not
+        /// state it, and with columns that do not.
         #[arg(long, value_name = "UNIT")]
         unit: Option<String>,
+        /// Columns of a file with other names, with --from columns: position=Pos,forward=Fwd,reverse=Rev.
+        #[arg(long, value_name = "NAMES")]
+        columns: Option<String>,
+        /// Lowest X and Y and highest X and Y of the mesh's points, mm, with --from marlin and a log that does not have them.
+        #[arg(long, value_name = "X,Y,X,Y", allow_hyphen_values = true)]
+        area: Option<String>,
         /// Name of the mesh in a file of several, with bed-mesh; the one called default unless given.
         #[arg(long, value_name = "NAME")]
         mesh: Option<String>,
@@ -173,12 +180,15 @@ pub(crate) fn run(command: Command) -> Result<()> {
         Command::Compile { machine, rate_hz, output } => compile::compile(&machine, rate_hz, &output),
         Command::Show { file, json } => compile::show(&file, json),
         Command::Collapse(arguments) => collapse::run(&arguments),
-        Command::Import { from, file, axis, comp_file_type, unit, mesh, output, new } => {
+        Command::Import { from, file, axis, comp_file_type, unit, columns, area, mesh, output, new } => {
+            let format = convert::format("--from", &from, comp_file_type)?;
             let options = convert::ImportOptions {
-                format: convert::format("--from", &from, comp_file_type)?,
+                format,
                 recognise: from == "linuxcnc" && comp_file_type.is_none(),
                 axis: axis_of(axis.as_deref())?,
-                unit: unit.as_deref().map(convert::unit).transpose()?,
+                unit: unit.as_deref().map(|unit| convert::unit(unit, format)).transpose()?,
+                columns: columns.as_deref(),
+                area: area.as_deref().map(convert::area).transpose()?,
                 mesh: mesh.as_deref(),
                 new,
             };

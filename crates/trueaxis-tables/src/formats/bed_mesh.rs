@@ -39,9 +39,8 @@
 
 use super::Imported;
 use super::decimal::to_six_places;
-use super::grid_csv::imported;
+use super::surface::{Fade, Surface, height};
 use crate::error::FileError;
-use crate::grid::{Grid, GridSource};
 use crate::origin::{Origin, numbered};
 use crate::text::counted;
 use std::path::Path;
@@ -140,7 +139,7 @@ pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, F
     let origin = &Origin::new(file);
     let sections = sections(text);
     let mesh = mesh(&sections, name, origin)?;
-    let mut nodes: [Vec<f64>; 3] = Default::default();
+    let mut nodes: [Vec<f64>; 2] = Default::default();
     for (nodes, letter) in nodes.iter_mut().zip(["x", "y"]) {
         *nodes = along(mesh, letter, origin)?;
     }
@@ -157,49 +156,8 @@ pub fn import(text: &str, file: &Path, name: Option<&str>) -> Result<Imported, F
             between[0], between[1]
         );
     }
-    let mut notes = vec![how];
-    let mean = mean(&heights);
     let fade = fade(&sections, &probed, origin)?;
-    let target = fade.as_ref().map_or(0.0, |fade| fade.target.unwrap_or(mean));
-    if let Some(Fade { heights: [start, end], .. }) = fade {
-        let to = if target == 0.0 { String::from("nothing") } else { format!("the height {}", Figure(target)) };
-        notes.push(format!("fades from Z {} to {to} at Z {}", Figure(start), Figure(end)));
-    }
-    if mean.abs() >= LARGE_MEAN {
-        let left = probed.iter().flatten().fold(0.0, |most: f64, height| most.max((height - mean).abs()));
-        notes.push(format!(
-            "the heights are {} mm on average: with that in the Z offset of the machine, {} mm remain to be corrected",
-            Figure(mean),
-            Figure(rounded(left))
-        ));
-    }
-    let given = [false, false, true, false, false, false];
-    let whole = (target != 0.0).then(|| {
-        let ends = |nodes: &[f64]| nodes.first().into_iter().chain(nodes.last()).copied().collect();
-        let nodes = [ends(&nodes[0]), ends(&nodes[1]), Vec::new()];
-        GridSource { values: vec![[0.0, 0.0, -target, 0.0, 0.0, 0.0]; 4], nodes, given, ..GridSource::default() }
-    });
-    // Lines of constant Y become nodes with Y innermost.
-    let values = (0..nodes[0].len())
-        .flat_map(|x| heights.iter().map(move |row| [0.0, 0.0, rounded(target - row[x]), 0.0, 0.0, 0.0]));
-    let fade_mm = fade.map(|Fade { heights: [start, end], .. }| {
-        let raised = [start + mean, end + target];
-        // A mesh higher than the length of its fade is refused as too steep, as in Klipper.
-        if raised[1] - raised[0] < range::LEAST_PITCH { [start, end] } else { raised }
-    });
-    let source = GridSource { values: values.collect(), nodes, given, fade_mm, ..GridSource::default() };
-    let grids = std::iter::once(source).chain(whole).map(|source| {
-        Grid::new(source).map_err(|error| origin.whole(format!("{error:?}"), "heights that 16 bits hold"))
-    });
-    Ok(Imported { replaces_grids: true, ..imported(grids.collect::<Result<_, _>>()?, notes) })
-}
-
-/// Mean height from which a note advises moving it into the Z offset, mm.
-const LARGE_MEAN: f64 = 0.5;
-
-/// Rounds to a nanometre, finer than heights are written, as a table in µm is read; turns −0 into 0.
-fn rounded(height: f64) -> f64 {
-    (height * 1e6).round() / 1e3 / 1e3 + 0.0
+    Surface { nodes, heights, fade }.imported(&probed, vec![how], origin)
 }
 
 /// Nodes along an axis.
@@ -238,12 +196,7 @@ fn heights(mesh: &Section<'_>, [columns, rows]: [usize; 2], origin: &Origin) -> 
         }
         let mut values = Vec::new();
         for text in row {
-            let height = origin.number(*line, "points", text)?;
-            if !range::GRID_TRANSLATION.contains(height) {
-                let found = format!("{} mm", Figure(height));
-                return Err(origin.at(*line, "points", found, range::GRID_TRANSLATION.needed));
-            }
-            values.push(height);
+            values.push(height(*line, "points", text, origin)?);
         }
         heights.push(values);
     }
@@ -311,12 +264,6 @@ fn divided(nodes: &[f64], between: usize) -> Vec<f64> {
     inner.chain(nodes.last().copied()).collect()
 }
 
-/// Mean of the interpolated mesh, to 0.01 mm.
-fn mean(heights: &[Vec<f64>]) -> f64 {
-    let count = heights.iter().map(Vec::len).sum::<usize>().max(1);
-    (heights.iter().flatten().sum::<f64>() / count as f64 * 100.0).round() / 100.0 + 0.0
-}
-
 /// Most points for which Klipper uses a Lagrange polynomial.
 const MOST_OF_LAGRANGE: usize = 6;
 
@@ -349,12 +296,6 @@ fn weights(count: usize, between: usize, tension: Option<f64>) -> Vec<Vec<f64>> 
         }
     }
     all
-}
-
-/// Heights between which the mesh fades, and the target height if stated.
-struct Fade {
-    heights: [f64; 2],
-    target: Option<f64>,
 }
 
 /// The fade, if `[bed_mesh]` has one.

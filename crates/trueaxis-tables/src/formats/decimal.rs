@@ -32,7 +32,17 @@ pub(super) fn as_in_a_table(value: f64, scale: f64) -> f64 {
 /// `value` to six decimals of a table's unit (`scale` 1, 1e3, 1e6 from mm or rad), as the table is read: −0.7 + 2 · 33.3 gives
 /// 65.9, not 65.89999999999999, and a mean of three readings ends at the sixth decimal.
 pub(super) fn to_six_places(value: f64, scale: f64) -> f64 {
-    (value * scale * 1e6).round() / 1e6 / scale + 0.0
+    to_places(value, scale, 1e6)
+}
+
+/// A height in mm to a nanometre, finer than heights are written, as a table in µm is read.
+pub(super) fn to_nanometre(height: f64) -> f64 {
+    to_places(height, 1e3, 1e3)
+}
+
+/// `value` times `scale` rounded to parts of a unit, as a table in that unit is read; turns −0 into 0.
+fn to_places(value: f64, scale: f64, parts: f64) -> f64 {
+    (value * scale * parts).round() / parts / scale + 0.0
 }
 
 /// a − b of two decimals of at most ten places, without binary rounding noise: 10.016312 − 10 gives 0.016312, not

@@ -10,7 +10,11 @@
 //! | [`siemens`] `$AA_ENC_COMP` | positioning, one direction, equidistant | +E (mm, degrees) |
 //! | [`isg`] volumetric CSV | all six errors, location errors; as comments chain, offsets, tool | +E (mm, rad) |
 //! | [`iso230_2`] measurement | deviations of single approaches | +E (µm, µrad) |
+//! | [`columns`] of any name, read only | positioning, measured once in each direction | position + E, or E |
+//! | `.rtl` of Renishaw, read only | deviations of single approaches | +E (µm) |
 //! | [`bed_mesh`] of Klipper, read only | a surface over X and Y | EZ = −height (mm) |
+//! | `heightmap.csv` of RepRapFirmware, read only | a surface over X and Y | EZ = −height (mm) |
+//! | [`marlin`]'s printed meshes, read only | a surface over X and Y | EZ = −height (mm) |
 //! | grid CSV, read only | errors over two or three linear axes | +E (µm, µrad) |
 //!
 //! Import refuses data that it would have to ignore. Export refuses data that the format cannot store, unless [`Loss::Drop`]
@@ -18,20 +22,25 @@
 
 mod axis_csv;
 pub mod bed_mesh;
+pub mod columns;
 mod decimal;
 pub(crate) mod grid_csv;
+mod heightmap;
 pub mod isg;
 mod isg_notes;
 pub mod iso230_2;
 pub mod linuxcnc;
 mod losses;
 mod machine_toml;
+pub mod marlin;
 mod measured_at;
 mod own_comments;
 mod positioning;
+mod rtl;
 mod servo_toml;
 pub mod siemens;
 pub(crate) mod stated;
+mod surface;
 mod toml_lines;
 
 pub(crate) use axis_csv::write_axis_csv_known;
@@ -62,21 +71,33 @@ pub enum Format {
     Isg,
     /// Measured deviations for an ISO 230-2 evaluation, one axis per file.
     Iso230_2,
+    /// Positions or deviations of one axis in columns of any name; read only.
+    Columns,
+    /// Linear measurement of Renishaw's laser software, one axis per file; read only.
+    Rtl,
     /// Bed mesh of Klipper, a surface over X and Y; read only.
     BedMesh,
+    /// Height map of RepRapFirmware, a surface over X and Y; read only.
+    HeightMap,
+    /// Bed mesh in a log of Marlin, a surface over X and Y; read only.
+    Marlin,
     /// Grid CSV, `X_mm,Y_mm,EX_um,…`; read only.
     Grid,
 }
 
 impl Format {
     /// Every format with its command-line name.
-    pub const ALL: [(&'static str, Format); 7] = [
+    pub const ALL: [(&'static str, Format); 11] = [
         ("linuxcnc-0", Format::LinuxCnc(CompFileType::Positions)),
         ("linuxcnc-1", Format::LinuxCnc(CompFileType::Trims)),
         ("siemens", Format::Siemens),
         ("isg", Format::Isg),
         ("iso230-2", Format::Iso230_2),
+        ("columns", Format::Columns),
+        ("rtl", Format::Rtl),
         ("bed-mesh", Format::BedMesh),
+        ("heightmap", Format::HeightMap),
+        ("marlin", Format::Marlin),
         ("grid", Format::Grid),
     ];
 
@@ -134,8 +155,9 @@ impl Imported {
     /// else was set.
     ///
     /// With [`Imported::settings`], it is the machine that they describe. Otherwise the file does not state the order of the
-    /// axes: `chain` puts all of them on the tool side and says so in a comment, and interpolation is linear, as in the
-    /// controls that wrote the files. Limits that the corrections need above the defaults are set ([`Edited::notes`]).
+    /// axes: `chain` puts all of them on the tool side and says so in a comment; the range of a
+    /// table is the travel, and interpolation is cubic through four points or more, through fewer linear. Limits that the
+    /// corrections need above the defaults are set ([`Edited::notes`]).
     pub fn new_machine(&self, name: &str) -> Edited {
         axis_csv::new_machine(self, name)
     }
@@ -222,20 +244,29 @@ pub struct Exported {
 /// The first deviation from the format, or the first value that a table cannot hold: file, line, column, found, needed.
 pub fn import(format: Format, text: &str, file: &Path, axis: Option<Axis>) -> Result<Imported, FileError> {
     let origin = Origin::new(file);
-    let mut imported = match format {
+    let imported = match format {
         Format::LinuxCnc(file_type) => linuxcnc::import(text, &origin, axis, file_type),
         Format::Siemens => siemens::import(text, &origin, axis),
         Format::Isg => isg::import(text, &origin, axis),
         Format::Iso230_2 => iso230_2::import(text, &origin, axis),
+        Format::Columns => return columns::import(text, file, axis, &columns::Mapping::default()),
+        Format::Rtl => rtl::import(text, &origin, axis),
         Format::BedMesh => bed_mesh::import(text, file, None),
+        Format::HeightMap => heightmap::import(text, &origin),
+        Format::Marlin => marlin::import(text, file, None),
         Format::Grid => grid_csv::import(text, &origin),
     }?;
-    if matches!(format, Format::LinuxCnc(_) | Format::Siemens | Format::Iso230_2) {
-        // Their positions and errors are sums and means of what the file states.
+    // Positions and errors of these formats are sums and means of what the file states.
+    Ok(finished(imported, matches!(format, Format::LinuxCnc(_) | Format::Siemens | Format::Iso230_2 | Format::Rtl)))
+}
+
+/// The import with rounded tables, if its numbers were calculated, and with notes on them.
+fn finished(mut imported: Imported, calculated: bool) -> Imported {
+    if calculated {
         imported.tables.iter_mut().for_each(|(_, table)| to_six_places(table));
     }
     imported.notes.extend(imported.tables.iter().filter_map(|(axis, table)| open_circle(*axis, table)));
-    Ok(imported)
+    imported
 }
 
 /// Rounds positions to six decimals of mm (degrees), and translations of µm. Angles in degrees have no short decimals in µrad.
@@ -287,7 +318,7 @@ pub fn export(format: Format, machine: &Machine, options: &ExportOptions) -> Res
         Format::Siemens => siemens::export(machine, options, &origin, &mut exported)?,
         Format::Isg => isg::export(machine, options, &mut exported),
         Format::Iso230_2 => iso230_2::export(machine, options, &mut exported),
-        Format::BedMesh | Format::Grid => {
+        Format::Columns | Format::Rtl | Format::BedMesh | Format::HeightMap | Format::Marlin | Format::Grid => {
             let needed = "a format that is written: linuxcnc, siemens, isg or iso230-2";
             return Err(origin.whole(format!("the format {}, which is only read", format.name()), needed));
         }

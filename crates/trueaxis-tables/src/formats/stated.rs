@@ -6,10 +6,14 @@ use crate::Table;
 use toml_edit::Value;
 use trueaxis::machine::{Axis, AxisSettings, LocationErrors, Row};
 
-/// Settings of an axis for which the machine has no section: interpolation as in the controls that wrote the files, and the
-/// range of the table as the travel.
+/// Fewest points through which a cubic is drawn: an inner cell has a point beyond each of its ends.
+const LEAST_FOR_CUBIC: usize = 4;
+
+/// Settings of an axis for which the machine has no section: cubic interpolation, if the points allow it, and the range of the
+/// table as the travel.
 pub(crate) fn of_new_axis(axis: Axis, table: &Table) -> Vec<(String, Value)> {
-    let mut settings = vec![(String::from("interpolation"), Value::from("linear"))];
+    let interpolation = if table.rows.len() < LEAST_FOR_CUBIC { "linear" } else { "cubic" };
+    let mut settings = vec![(String::from("interpolation"), Value::from(interpolation))];
     // A full circle wraps: its ends do not bound the travel.
     if let (Some(Row { position: low, .. }), Some(Row { position: high, .. })) = (table.rows.first(), table.rows.last())
         && !(axis.is_rotary() && (high - low - 360.0).abs() < 1e-9)

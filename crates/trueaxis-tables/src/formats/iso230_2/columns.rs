@@ -5,8 +5,8 @@ use crate::sheet::Sheet;
 use trueaxis::machine::Axis;
 use trueaxis_metrology::accuracy::Direction;
 
-const LIST: &str =
-    "the columns X_mm (or C_deg, position_mm, position_deg), run, direction, deviation_um (deviation_urad)";
+const LIST: &str = "the columns X_mm (or C_deg, position_mm, position_deg), run, direction, deviation_um (deviation_urad); other names, with one \
+     reading in each direction: --from columns";
 const MATRIX: &str =
     "X_mm (or C_deg, position_mm, position_deg) and a column per run: +1, -1, +2, … or fwd_1_um, rev_1_um, …";
 

@@ -110,7 +110,7 @@ fn direction_of(sheet: &Sheet<'_>, column: usize) -> Result<Direction, FileError
 }
 
 /// The error for an approach given twice, with its line, or missing.
-fn incomplete(error: &AccuracyError, lines: &[u32], origin: &Origin) -> FileError {
+pub(super) fn incomplete(error: &AccuracyError, lines: &[u32], origin: &Origin) -> FileError {
     let text = error.to_string();
     let (found, needed) = text.split_once(", needed ").unwrap_or((&text, "a complete measurement"));
     let found = found.trim_start_matches("found ");
@@ -122,6 +122,11 @@ fn incomplete(error: &AccuracyError, lines: &[u32], origin: &Origin) -> FileErro
 
 pub(super) fn import(text: &str, origin: &Origin, axis: Option<Axis>) -> Result<Imported, FileError> {
     let MeasurementFile { measurement, dialect } = read(text, origin, axis)?;
+    imported(&measurement, dialect.map(str::to_owned).into_iter().collect(), origin)
+}
+
+/// The table of a measurement: the means of its runs.
+pub(super) fn imported(measurement: &Measurement, notes: Vec<String>, origin: &Origin) -> Result<Imported, FileError> {
     let axis = measurement.axis;
     let scale = if axis.is_rotary() { 1e6 } else { 1e3 };
     let same = measurement.reversal_within_scatter();
@@ -145,20 +150,23 @@ pub(super) fn import(text: &str, origin: &Origin, axis: Option<Axis>) -> Result<
              the runs alone explains {expected:.2}"
         )
     });
-    let one_way = (measurement.directions.len() == 1).then(|| {
-        let key = if axis.is_rotary() { "backlash_urad" } else { "backlash_um" };
-        format!(
-            "one direction of approach: the table is valid for both, without lost motion, which {key} of the axis states"
-        )
-    });
+    let one_way = (measurement.directions.len() == 1).then(|| one_way(axis));
     Ok(Imported {
         grids: Vec::new(),
         tables: vec![(axis, table)],
         location: LocationErrors::default(),
         settings: None,
-        notes: dialect.map(str::to_owned).into_iter().chain(mean_of_both).chain(one_way).collect(),
+        notes: notes.into_iter().chain(mean_of_both).chain(one_way).collect(),
         replaces_grids: false,
     })
+}
+
+/// A note on a table that was measured in one direction.
+pub(super) fn one_way(axis: Axis) -> String {
+    let key = if axis.is_rotary() { "backlash_urad" } else { "backlash_um" };
+    format!(
+        "one direction of approach: the table is valid for both, without lost motion, which {key} of the axis states"
+    )
 }
 
 /// Writes the axis' own error as a measurement of one run without scatter, backlash included, to 1 nm (0.001 µrad).
