@@ -314,7 +314,51 @@ pub(super) fn evaluated<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3],
     let p2 = mad(c2, t, &p3);
     let p1 = mad(c1, t, &p2);
     let q2 = mad(&p2, t, &q3);
-    let (x, v, z) = (mad(c0, t, &p1), mad(&p1, t, &q2), mad(&q2, t, &r2));
+    projected(&mad(c0, t, &p1), &mad(&p1, t, &q2), &mad(&q2, t, &r2), point)
+}
+
+/// [`evaluate`] at an end of a span, bit for bit, without its products: at t = 0 the coefficients, at t = 1 sums of them.
+#[inline(never)]
+pub(super) fn evaluate_end<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3], at_start: bool) -> Evaluation<R> {
+    let [c0, c1, c2, c3, c4, c5] = &span.coefficients;
+    let (x, v, z);
+    if at_start {
+        (x, v, z) = (*c0, *c1, *c2);
+    } else {
+        // `evaluated` with t = 1.
+        let (p3, q3, r2) = match span.form() {
+            Form::Cubic | Form::RationalCubic => (*c3, *c3, *c3),
+            Form::Quintic | Form::RationalQuintic => {
+                let p4 = sum(c4, c5);
+                let p3 = sum(c3, &p4);
+                let q4 = sum(&p4, c5);
+                let q3 = sum(&p3, &q4);
+                (p3, q3, sum(&q3, &sum(&q4, c5)))
+            }
+        };
+        let p2 = sum(c2, &p3);
+        let p1 = sum(c1, &p2);
+        let q2 = sum(&p2, &q3);
+        (x, v, z) = (sum(c0, &p1), sum(&p1, &q2), sum(&q2, &r2));
+    }
+    match span.form() {
+        // With weight 1 the projection changes nothing.
+        Form::Cubic | Form::Quintic => {
+            let [[x, y, z, _], [vx, vy, vz, _], [zx, zy, zz, _]] = [x, v, z];
+            Evaluation::of([x - point[0], y - point[1], z - point[2]], [vx, vy, vz], [zx, zy, zz])
+        }
+        Form::RationalCubic | Form::RationalQuintic => projected(&x, &v, &z, point),
+    }
+}
+
+#[cfg_attr(feature = "fast", inline(always))]
+fn sum<R: Real>(a: &[R; 4], b: &[R; 4]) -> [R; 4] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
+}
+
+/// Evaluation from the homogeneous position, first and half second derivative of the curve.
+#[cfg_attr(feature = "fast", inline(always))]
+fn projected<R: Real>(x: &[R; 4], v: &[R; 4], z: &[R; 4], point: &[R; 3]) -> Evaluation<R> {
     // Projected: position, first and half second derivative of x/w.
     let i = R::ONE / x[3];
     let (mut vector, mut tangent, mut bend) = ([R::ZERO; 3], [R::ZERO; 3], [R::ZERO; 3]);
@@ -324,7 +368,14 @@ pub(super) fn evaluated<R: Real, P: Position>(span: &Span<R, P>, point: &[R; 3],
         tangent[k] = (v[k] - place * v[3]) * i;
         bend[k] = (z[k] - place * z[3] - tangent[k] * v[3]) * i;
     }
-    let straight = dot(&tangent, &tangent);
-    let curved = dot(&vector, &bend);
-    Evaluation { g: dot(&vector, &tangent), slope: straight + (curved + curved), straight, vector, tangent, bend }
+    Evaluation::of(vector, tangent, bend)
+}
+
+impl<R: Real> Evaluation<R> {
+    #[cfg_attr(feature = "fast", inline(always))]
+    fn of(vector: [R; 3], tangent: [R; 3], bend: [R; 3]) -> Self {
+        let straight = dot(&tangent, &tangent);
+        let curved = dot(&vector, &bend);
+        Evaluation { g: dot(&vector, &tangent), slope: straight + (curved + curved), straight, vector, tangent, bend }
+    }
 }

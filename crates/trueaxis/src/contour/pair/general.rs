@@ -3,7 +3,7 @@
 
 use super::frame::{Seen, Start, Tangent, feet, local};
 use super::{PairState, place};
-use crate::contour::kernel::{Evaluation, evaluate, foot};
+use crate::contour::kernel::{Evaluation, evaluate_end, foot};
 use crate::contour::legs::Doubt;
 use crate::contour::refine::{Found, at, descend};
 use crate::contour::search::{BISECTIONS, ContourState, across, components};
@@ -346,7 +346,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         let mut missing = [found.tip.is_none(), found.encoder.is_none() && seen.encoder()];
         let mut outer = None;
         if let Some((beyond, there)) = border.and_then(|beyond| Some((beyond, path.span(beyond)?))) {
-            let entered = evaluate(there, &local(there, self.position, self.d), entry);
+            let entered = evaluate_end(there, &local(there, self.position, self.d), forward);
             self.spent[0] += 1;
             let uphill = [&[R::ZERO; 3], self.d].map(|d| rises(&entered, d, forward));
             outer = Some((beyond, entered));
@@ -408,7 +408,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         [tip, encoder]: [bool; 2],
     ) {
         let [out, entry] = sides(forward);
-        let Some(inner) = self.sample(number, out) else { return };
+        let Some(inner) = self.sample_end(number, forward) else { return };
         self.spent[usize::from(!tip)] += 1;
         let still = [R::ZERO; 3];
         for (missing, d, slot) in [(tip, &still, &mut found.tip), (encoder, self.d, &mut found.encoder)] {
@@ -434,10 +434,10 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         }
     }
 
-    /// Evaluates the path at `t` of a span, relative to the tip.
-    fn sample(&self, number: u32, t: R) -> Option<Evaluation<R>> {
+    /// Evaluates a span at the end towards the border, relative to the tip.
+    fn sample_end(&self, number: u32, forward: bool) -> Option<Evaluation<R>> {
         let span = self.on.path.span(number)?;
-        Some(evaluate(span, &local(span, self.position, self.d), t))
+        Some(evaluate_end(span, &local(span, self.position, self.d), !forward))
     }
 
     /// Finds the tip's foot by a separate descent and, if evaluations remain, a second one behind the nearer border.

@@ -1,7 +1,7 @@
 //! The foot-point kernel against bisection.
 
 use super::*;
-use crate::contour::kernel::{evaluate, foot};
+use crate::contour::kernel::{Evaluation, evaluate, evaluate_end, foot};
 use crate::position::Nanometres;
 
 /// Wherever the kernel trusts its result, the distance is correct to 1e-6 nm, compared with bisection of the same span.
@@ -54,4 +54,32 @@ fn the_kernel_is_exact_wherever_it_trusts_itself() {
     singles.sort_by(f64::total_cmp);
     let p999 = singles[singles.len() * 999 / 1000];
     assert!(p999 < 2e-6, "f32: {p999:e} mm");
+}
+
+/// An evaluation at an end without products equals the general one, in both scalars.
+#[test]
+fn an_evaluation_at_an_end_is_the_general_one() {
+    fn compare<R: Real, P: Position>(random: &mut Noise, all: &[Span<R, P>]) {
+        for span in all {
+            let point = [random.signed(), random.signed(), random.signed()].map(R::of);
+            for (t, at_start) in [(R::ZERO, true), (R::ONE, false)] {
+                let (one, other) = (evaluate(span, &point, t), evaluate_end(span, &point, at_start));
+                let parts = |e: Evaluation<R>| ([e.g, e.slope, e.straight], e.vector, e.tangent, e.bend);
+                assert_eq!(parts(one), parts(other), "{span:?} at {t:?}");
+            }
+        }
+    }
+    let mut random = Noise::new(29);
+    for round in 0..200 {
+        let spline = Spline::random(&mut random, 2 + round % 4, round % 2 == 0);
+        let arc = Segment::Arc {
+            start: DVec3::new(3.0, 0.0, 0.0),
+            end: DVec3::new(-3.0, 0.0, random.signed()),
+            center: DVec3::ZERO,
+            normal: Z.into(),
+            turns: 0,
+        };
+        compare(&mut random, &spans::<f64, f64>(&[spline.segment(), arc]));
+        compare(&mut random, &spans::<f32, Nanometres>(&[spline.segment(), arc]));
+    }
 }
