@@ -14,7 +14,7 @@
 use super::Flags;
 use super::kernel::{evaluate, foot};
 use super::refine::Found;
-use super::span::{OnPath, Path, Reference, Span, dot};
+use super::span::{Form, OnPath, Path, Reference, Span, dot};
 use super::way::{advance, sight, way};
 use crate::position::Position;
 use crate::real::Real;
@@ -65,11 +65,15 @@ pub(super) struct Apart<R> {
 /// Whether the start of one span runs against the end of another. Uses homogeneous coefficients, without computing the points:
 /// half the cost of two evaluations.
 #[inline(never)]
-fn against<R: Real, P>(one: &Span<R, P>, other: &Span<R, P>) -> bool {
+fn against<R: Real, P: Position>(one: &Span<R, P>, other: &Span<R, P>) -> bool {
     let [c0, c1, ..] = &one.coefficients;
     let start: [R; 3] = core::array::from_fn(|k| c1[k] * c0[3] - c0[k] * c1[3]);
     let (mut at, mut rate, mut power) = ([R::ZERO; 4], [R::ZERO; 4], R::ZERO);
-    for c in &other.coefficients {
+    let terms = match other.form() {
+        Form::Cubic | Form::RationalCubic => 4,
+        Form::Quintic | Form::RationalQuintic => 6,
+    };
+    for c in other.coefficients.iter().take(terms) {
         for k in 0..4 {
             at[k] += c[k];
             rate[k] += power * c[k];

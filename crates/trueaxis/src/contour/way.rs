@@ -44,6 +44,15 @@ pub(super) fn way_far<R: Real, P: Position>(
 fn across<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, to: Reference<R>, most: u32) -> Option<R> {
     let part = |place: Reference<R>| Some(path.span(place.span)?.arc_length(place.t));
     let count = path.spans.len() as u32;
+    if to.span == from.span.wrapping_add(1) {
+        // The usual case, without the counts; likewise backwards.
+        let span = path.span(from.span)?;
+        return Some(span.length() + part(to)? - span.arc_length(from.t));
+    }
+    if from.span == to.span.wrapping_add(1) && !(path.closed && count == 2) {
+        let span = path.span(to.span)?;
+        return Some(span.arc_length(to.t) - span.length() - part(from)?);
+    }
     let (i, j) = (from.span.wrapping_sub(path.first), to.span.wrapping_sub(path.first));
     let ahead = if j >= i {
         j - i
