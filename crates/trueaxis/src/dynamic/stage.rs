@@ -3,7 +3,7 @@
 #![deny(clippy::indexing_slicing)]
 
 use super::adaptation::Adaptation;
-use super::common::{self, Common, Room, Wanted};
+use super::common::{self, Common, Room, Shared, Wanted};
 use super::crosstalk::Crosstalk;
 use super::evidence::{Evidence, Reach, Worth};
 use super::feed_forward::FeedForward;
@@ -353,6 +353,10 @@ impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
                 command.since_near::<R>(*before) + (*geometric - *geometric_before)
             };
             (*before, *geometric_before) = (*command, *geometric);
+            if self.common.is_some() && !act.shares {
+                // Another configuration may have left a share.
+                *shared = Shared::default();
+            }
             if !sample.due {
                 // The drives have had no time to move: their laws keep their offsets, and distances count from here.
                 *offset = act.law.held_offset(drift);
