@@ -13,6 +13,10 @@ fn limits(magnitude: f64) -> Limits {
 
 /// A machine with these drives on X, Y and Z, that compensates lag and acceleration.
 fn machine_with(drives: [DriveFigures; 3], magnitude: f64) -> &'static Loop {
+    machine_of(drives.map(Some), magnitude)
+}
+
+fn machine_of(drives: [Option<DriveFigures>; 3], magnitude: f64) -> &'static Loop {
     let mut machine = machine(|axis| {
         axis.max_feed_per_s = TOP_SPEED;
         axis.limits = Limits { magnitude: 2.0, slope_per_s: 100.0, acceleration_per_s2: 5e4 };
@@ -20,8 +24,9 @@ fn machine_with(drives: [DriveFigures; 3], magnitude: f64) -> &'static Loop {
     });
     for (axis, drive) in machine.axes.iter_mut().zip(drives) {
         let own = DynamicSettings::with_defaults(axis.axis);
-        let dynamic = DynamicSettings { limits: limits(magnitude), lag: true, acceleration: true, ..own };
-        axis.servo = AxisServo { drive: Some(drive), friction: None, dynamic: Some(dynamic) };
+        let dynamic =
+            DynamicSettings { limits: limits(magnitude), lag: drive.is_some(), acceleration: drive.is_some(), ..own };
+        axis.servo = AxisServo { drive, friction: None, dynamic: Some(dynamic) };
     }
     loop_of(0.0, machine)
 }
@@ -111,6 +116,24 @@ fn without_a_limit_that_binds_every_bit_is_that_of_the_law() {
     let (narrow, wide) = (at(0.05), at(1.5));
     for (k, ((narrow, _), (wide, _))) in narrow.iter().zip(&wide).enumerate() {
         assert_eq!(narrow.feed_forward.map(f64::to_bits), wide.feed_forward.map(f64::to_bits), "cycle {k}");
+    }
+}
+
+#[test]
+fn an_axis_without_a_drive_after_an_exchange_keeps_nothing_of_the_lag_before() {
+    let (before, after) = (machine_with([figures(0.5); 3], 0.05), machine_of([Some(figures(0.5)), None, None], 0.05));
+    let mut state = before.start();
+    for k in 0..700 {
+        let way = distance(T * f64::from(k), 80.0, 100.0, 1500.0);
+        let servo = if k < 400 { before } else { after };
+        let out = servo.step(&mut state, &input(SLOPING.map(|share| share * way)), (), ());
+        let parts = out.record.dynamic.unwrap();
+        if (200..400).contains(&k) {
+            assert!(parts.feed_forward[1] > 0.01 && parts.sent[0] > 0.049, "cycle {k}: {parts:?}");
+        } else if k >= 400 {
+            assert_eq!(parts.feed_forward[1..], [0.0; 2], "cycle {k}: {parts:?}");
+            assert!(parts.sent[0] > 0.049, "cycle {k}: {parts:?}");
+        }
     }
 }
 
