@@ -30,6 +30,12 @@ def slope_at(table, position, column):
     return None
 
 
+def as_linuxcnc_reads_it(text):
+    """Three axes, and linear between the points, as LinuxCNC is: an imported table is cubic."""
+    expect('interpolation = "cubic"' in text, "an imported table is not cubic", text)
+    return text.replace("w b X t", "w b X Y Z t").replace('interpolation = "cubic"', 'interpolation = "linear"')
+
+
 def side_by_side(folder):
     """COMP_FILE and trueaxis on the same table in the same cycles; tables that LinuxCNC would truncate are refused."""
     source = os.path.join(rig.MACHINES, "comp", "x.comp")
@@ -40,7 +46,7 @@ def side_by_side(folder):
     imported = os.path.join(folder, "imported")
     subprocess.run([TRUEAXIS, "tables", "import", "--from", "linuxcnc", "--unit", "mm", "--comp-file-type", "1", "--axis", "X",
                     source, "-o", imported], check=True, capture_output=True, timeout=60 * rig.PATIENCE)
-    rig.edit(imported, "machine.toml", lambda text: text.replace("w b X t", "w b X Y Z t"))
+    rig.edit(imported, "machine.toml", as_linuxcnc_reads_it)
     compile_tables(folder, os.path.join(imported, "machine.toml"), "mill-3axis.tcomp")
     rig.edit(folder, "mill-3axis.ini", lambda text: rig.with_ini(
         rig.with_ini(text, "JOINT_0", "COMP_FILE", "x.comp"), "JOINT_0", "COMP_FILE_TYPE", 1))
