@@ -19,7 +19,7 @@
 //! positions. Deviations are in µm if in mm they exceeded the [range](trueaxis::range::TRANSLATION) of an error, and in mm if
 //! in µm none reached [`LEAST`]. Everything else is refused.
 
-use super::{Imported, finished, only, single};
+use super::{Imported, axis_of, finished, only, single};
 use crate::Table;
 use crate::error::FileError;
 use crate::origin::Origin;
@@ -27,7 +27,7 @@ use crate::sheet::Sheet;
 use crate::text::one_of;
 use std::path::Path;
 use trueaxis::error::Figure;
-use trueaxis::machine::{Axis, LocationErrors};
+use trueaxis::machine::Axis;
 use trueaxis::range;
 
 /// Deviations in µm of which none reaches this are not the errors of an axis.
@@ -75,7 +75,7 @@ impl Mapping {
     /// The mapping `position=Pos,forward=Fwd,reverse=Rev`, of which `reverse` may be missing.
     ///
     /// # Errors
-    /// What was found and what is needed.
+    /// A part that is not KEY=NAME with one of these keys, or stands twice, and a key that is missing: found, needed.
     pub fn parse(text: &str) -> Result<Mapping, String> {
         const NEEDED: &str = "needed position=NAME,forward=NAME, and reverse=NAME if there is one";
         let mut mapping = Mapping::default();
@@ -190,12 +190,14 @@ fn known<'s>(sheet: &'s Sheet<'_>) -> Result<Chosen<'s>, FileError> {
     for column in columns(sheet)? {
         let stem = column.stem.to_lowercase();
         let is = |names: &[&str]| names.contains(&stem.as_str());
-        let place = match axis_of(column.stem) {
-            Some(_) => &mut position,
-            None if is(&POSITION) => &mut position,
-            None if is(&FORWARD) => &mut forward,
-            None if is(&REVERSE) => &mut reverse,
-            None => return Err(sheet.error(column.name, format!("column {:?}", column.name), NEEDED)),
+        let place = if axis_of(column.stem).is_some() || is(&POSITION) {
+            &mut position
+        } else if is(&FORWARD) {
+            &mut forward
+        } else if is(&REVERSE) {
+            &mut reverse
+        } else {
+            return Err(sheet.error(column.name, format!("column {:?}", column.name), NEEDED));
         };
         let name = column.name;
         if let Some(before) = place.replace(column) {
@@ -234,13 +236,6 @@ fn mapped<'s>(sheet: &'s Sheet<'_>, mapping: &Mapping) -> Result<Chosen<'s>, Fil
     Ok(Chosen { position, forward, reverse, others: all.iter().map(|column| column.name).collect() })
 }
 
-/// The axis of `X`, `x`.
-fn axis_of(stem: &str) -> Option<Axis> {
-    let mut letters = stem.chars();
-    let axis = letters.next().and_then(|letter| Axis::from_letter(letter.to_ascii_uppercase()))?;
-    letters.next().is_none().then_some(axis)
-}
-
 /// Line, position, forward and reverse reading, in the units of the file.
 type Line = (u32, [f64; 3]);
 
@@ -262,7 +257,7 @@ fn largest(lines: &[Line], position: Measure, readings: [Measure; 2]) -> [f64; 2
     })
 }
 
-/// Whether readings are positions, if the numbers tell.
+/// Whether the readings are positions; `None` where the numbers do not show it.
 fn are_positions([own, apart]: [f64; 2]) -> Option<bool> {
     match (apart * CLEARLY <= own, own * CLEARLY <= apart) {
         (true, false) => Some(true),
@@ -399,17 +394,7 @@ pub fn import(text: &str, file: &Path, axis: Option<Axis>, mapping: &Mapping) ->
     } else {
         table.bidirectional = true;
     }
-    Ok(finished(
-        Imported {
-            tables: vec![(axis, table)],
-            grids: Vec::new(),
-            location: LocationErrors::default(),
-            settings: None,
-            notes,
-            replaces_grids: false,
-        },
-        true,
-    ))
+    Ok(finished(Imported { tables: vec![(axis, table)], notes, ..Imported::default() }, true))
 }
 
 /// The table of an axis from the lines of a file.

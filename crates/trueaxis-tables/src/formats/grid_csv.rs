@@ -10,7 +10,7 @@ use crate::read::grid_table::{self, error_name, position_name};
 use crate::read::grid_toml::GridReference;
 use crate::sheet::Sheet;
 use std::fmt::Write;
-use trueaxis::machine::{Axis, LocationErrors};
+use trueaxis::machine::Axis;
 
 /// File name of a grid's table by its number from 0: `grid.csv`, `grid-2.csv`.
 pub fn grid_csv_name(number: usize) -> String {
@@ -79,17 +79,6 @@ pub(super) fn import(text: &str, origin: &Origin) -> Result<Imported, FileError>
     }
     drop(sheet);
     let file = grid_table::read(text.as_bytes(), origin, &GridReference::of_axes(axes))?;
-    Ok(imported(vec![file.grid], file.dialect.map(String::from).into_iter().collect()))
-}
-
-/// An import of grids only.
-pub(super) fn imported(grids: Vec<Grid>, notes: Vec<String>) -> Imported {
-    Imported {
-        tables: Vec::new(),
-        grids,
-        location: LocationErrors::default(),
-        settings: None,
-        notes,
-        replaces_grids: false,
-    }
+    let notes = file.dialect.map(String::from).into_iter().collect();
+    Ok(Imported { grids: vec![file.grid], notes, ..Imported::default() })
 }

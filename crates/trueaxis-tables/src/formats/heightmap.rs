@@ -59,8 +59,12 @@ pub(super) fn import(text: &str, origin: &Origin) -> Result<Imported, FileError>
     let names: Vec<&str> = labels.split(',').collect();
     let figures: Vec<&str> = figures.split(',').map(str::trim).collect();
     if figures.len() != names.len() {
-        let found = if figures.len() == 1 { "1 value".into() } else { format!("{} values", figures.len()) };
-        return Err(origin.at(line, "", found, format!("{} as in the line above", names.len())));
+        return Err(origin.at(
+            line,
+            "",
+            counted(figures.len(), "value"),
+            format!("{} as in the line above", names.len()),
+        ));
     }
     let text = |name: &str| names.iter().position(|own| *own == name).and_then(|index| figures.get(index)).copied();
     for (name, letter) in [("axis0", "X"), ("axis1", "Y")] {
@@ -117,19 +121,16 @@ fn along<'t>(
     origin: &Origin,
 ) -> Result<Vec<f64>, FileError> {
     let letter = ["x", "y"][index];
-    let named = |parts: [String; 2]| {
-        let [old, new] = parts;
-        text(&old).map(|text| (old, text)).or_else(|| text(&new).map(|text| (new, text)))
-    };
-    let number = |old: String, new: String| {
-        let (name, text) =
-            named([old, new]).or_else(|| Some((String::from("spacing"), text("spacing")?))).unwrap_or_default();
+    // Under the name that the labels of this file have.
+    let number = |figure: &str| {
+        let names = [format!("{letter}{figure}"), format!("{figure}{index}"), figure.to_owned()];
+        let (name, text) = names.into_iter().find_map(|name| text(&name).map(|text| (name, text))).unwrap_or_default();
         origin.number(line, &name, text).map(|value| (name, value))
     };
-    let (_, low) = number(format!("{letter}min"), format!("min{index}"))?;
-    let (high_name, high) = number(format!("{letter}max"), format!("max{index}"))?;
-    let (spacing_name, spacing) = number(format!("{letter}spacing"), format!("spacing{index}"))?;
-    let (count_name, count) = number(format!("{letter}num"), format!("num{index}"))?;
+    let (_, low) = number("min")?;
+    let (high_name, high) = number("max")?;
+    let (spacing_name, spacing) = number("spacing")?;
+    let (count_name, count) = number("num")?;
     if count.fract() != 0.0 || !(2.0..=GRID_NODES as f64).contains(&count) {
         return Err(origin.at(line, &count_name, Figure(count), format!("a whole number from 2 to {GRID_NODES}")));
     }

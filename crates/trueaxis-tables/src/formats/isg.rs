@@ -104,14 +104,7 @@ pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<
     if let Some(settings) = &mut settings {
         settings.location = location;
     }
-    Ok(Imported {
-        tables: tables.into_iter().collect(),
-        grids,
-        location,
-        settings,
-        notes: Vec::new(),
-        replaces_grids: false,
-    })
+    Ok(Imported { tables: tables.into_iter().collect(), grids, location, settings, ..Imported::default() })
 }
 
 /// If a file gives the chain, every axis of a header and every rotary axis with a location error has to be in it.

@@ -28,7 +28,7 @@ use crate::error::FileError;
 use crate::origin::{Origin, numbered};
 use crate::text::fixed;
 use std::fmt::Write;
-use trueaxis::machine::{Axis, LocationErrors};
+use trueaxis::machine::Axis;
 
 /// Most points of a joint (`EMCMOT_COMP_SIZE`).
 pub const MAX_POINTS: usize = 256;
@@ -92,14 +92,7 @@ pub(super) fn import(
         lines.push((line, super::single(nominal, axis.index(), forward, reverse)));
     }
     let table = super::table(axis, super::only(axis.index()), lines, origin)?;
-    Ok(Imported {
-        tables: vec![(axis, table)],
-        grids: Vec::new(),
-        location: LocationErrors::default(),
-        settings: None,
-        notes,
-        replaces_grids: false,
-    })
+    Ok(Imported { tables: vec![(axis, table)], notes, ..Imported::default() })
 }
 
 /// Lines and their three numbers.

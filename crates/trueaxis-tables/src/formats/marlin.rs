@@ -42,7 +42,7 @@ struct Mesh {
     line: u32,
     /// One row for every Y upwards.
     rows: Vec<Vec<f64>>,
-    /// Whether it refines the mesh before.
+    /// Whether it is the mesh above it, subdivided.
     is_subdivided: bool,
     /// The area that the mesh states, in whole mm.
     area: Option<Area>,
@@ -233,7 +233,7 @@ fn of_touched([x, y]: &[Vec<f64>; 2], mesh: &Mesh) -> Option<Area> {
     Some([low_x, low_y, high_x, high_y])
 }
 
-/// Whether the fields are the numbers of the columns, 0, 1, 2.
+/// Whether the fields number the columns: 0, 1, 2, …
 fn are_labels(fields: &[&str]) -> bool {
     !fields.is_empty() && fields.iter().enumerate().all(|(index, field)| *field == index.to_string())
 }

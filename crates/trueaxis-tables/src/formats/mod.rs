@@ -113,7 +113,7 @@ impl Format {
 }
 
 /// Content of another control's file, as tables of this crate.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Imported {
     /// The tables in the order X Y Z A B C.
     pub tables: Vec<(Axis, Table)>,
@@ -155,9 +155,9 @@ impl Imported {
     /// else was set.
     ///
     /// With [`Imported::settings`], it is the machine that they describe. Otherwise the file does not state the order of the
-    /// axes: `chain` puts all of them on the tool side and says so in a comment; the range of a
-    /// table is the travel, and interpolation is cubic through four points or more, through fewer linear. Limits that the
-    /// corrections need above the defaults are set ([`Edited::notes`]).
+    /// axes: `chain` puts all of them on the tool side and says so in a comment. The range of a table is the travel, and
+    /// interpolation is cubic through four points or more, through fewer linear. Limits that the corrections need above the
+    /// defaults are set ([`Edited::notes`]).
     pub fn new_machine(&self, name: &str) -> Edited {
         axis_csv::new_machine(self, name)
     }
@@ -394,6 +394,13 @@ fn table(axis: Axis, given: [bool; 6], mut lines: Vec<(u32, Row)>, origin: &Orig
     let rows: Vec<Row> = lines.into_iter().map(|(_, row)| row).collect();
     let bidirectional = rows.iter().any(|row| row.forward != row.reverse);
     Ok(Table { given, bidirectional, rows })
+}
+
+/// The axis of `X`, `x`.
+fn axis_of(name: &str) -> Option<Axis> {
+    let mut letters = name.chars();
+    let axis = letters.next().and_then(|letter| Axis::from_letter(letter.to_ascii_uppercase()))?;
+    letters.next().is_none().then_some(axis)
 }
 
 /// A value (mm, degrees, rad) in its physical range.

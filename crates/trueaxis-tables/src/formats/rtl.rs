@@ -32,7 +32,7 @@
 //! unidirectional measurement so), and counts that the file does not keep.
 
 use super::iso230_2;
-use super::{Imported, within};
+use super::{Imported, axis_of, within};
 use crate::error::FileError;
 use crate::origin::{Origin, numbered};
 use trueaxis::machine::Axis;
@@ -50,7 +50,7 @@ struct Row {
     deviation: f64,
 }
 
-/// What a file states.
+/// Contents of a file.
 #[derive(Default)]
 struct Content {
     file_type: Option<String>,
@@ -94,9 +94,10 @@ pub(super) fn import(text: &str, origin: &Origin, wanted: Option<Axis>) -> Resul
     let mut approaches = Vec::new();
     let mut lines = Vec::new();
     for rows in content.runs() {
-        let direction = direction(rows, &content.targets, origin)?;
-        for row in rows {
-            let position = target(row, &content.targets, origin)?;
+        let positions =
+            rows.iter().map(|row| target(row, &content.targets, origin)).collect::<Result<Vec<f64>, _>>()?;
+        let direction = direction(rows, &positions, origin)?;
+        for (row, position) in rows.iter().zip(positions) {
             within(origin, row.line, "Data", row.deviation / 1e3, &range::TRANSLATION)?;
             approaches.push(Approach { position, run: row.run, direction, deviation: row.deviation });
             lines.push(row.line);
@@ -136,10 +137,9 @@ fn target(row: &Row, targets: &[(u32, f64)], origin: &Origin) -> Result<f64, Fil
     })
 }
 
-/// Direction of travel of a run.
-fn direction(rows: &[Row], targets: &[(u32, f64)], origin: &Origin) -> Result<Direction, FileError> {
+/// Direction of travel of a run over these positions.
+fn direction(rows: &[Row], positions: &[f64], origin: &Origin) -> Result<Direction, FileError> {
     let Some(first) = rows.first() else { return Ok(Direction::Up) };
-    let positions = rows.iter().map(|row| target(row, targets, origin)).collect::<Result<Vec<f64>, _>>()?;
     if rows.len() > 1 && rows.iter().all(|row| row.deviation == 0.0) {
         let found = format!("run {} zero throughout, as if it had not been measured", first.run);
         return Err(origin.at(first.line, "Data", found, "runs that were measured"));
@@ -184,9 +184,7 @@ fn content(text: &str, origin: &Origin) -> Result<Content, FileError> {
         match (section.as_str(), pair) {
             ("HEADER", Some(("File type", value))) => content.file_type = Some(value.to_lowercase()),
             ("USER-TEXT", Some(("Axis", value))) => {
-                let mut letters = value.chars();
-                let axis = letters.next().and_then(|letter| Axis::from_letter(letter.to_ascii_uppercase()));
-                content.axis = axis.filter(|_| letters.next().is_none()).map(|axis| (line, axis));
+                content.axis = axis_of(value).map(|axis| (line, axis));
             }
             ("TARGET DATA", Some(("Target-count", value))) => {
                 content.target_count = Some(whole("Target-count", value)?)

@@ -39,7 +39,7 @@ use crate::origin::{Origin, numbered};
 use crate::text::fixed;
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use trueaxis::machine::{Axis, LocationErrors, Row};
+use trueaxis::machine::{Axis, Row};
 
 /// Name of the file, as in its first line `%_N_AX_EEC_INI`.
 pub const FILE_NAME: &str = "AX_EEC.INI";
@@ -137,14 +137,7 @@ pub(super) fn import(text: &str, origin: &Origin, only: Option<Axis>) -> Result<
             None => origin.whole("no $AA_ENC_COMP and no $AN_CEC", "compensation values"),
         });
     }
-    Ok(Imported {
-        tables,
-        grids: Vec::new(),
-        location: LocationErrors::default(),
-        settings: None,
-        notes,
-        replaces_grids: false,
-    })
+    Ok(Imported { tables, notes, ..Imported::default() })
 }
 
 /// Strips the block number from `N10 $AA_…`.

@@ -2,7 +2,6 @@
 
 use super::Imported;
 use super::decimal::{to_nanometre, to_six_places};
-use super::grid_csv::imported;
 use crate::error::FileError;
 use crate::grid::{Grid, GridSource};
 use crate::origin::Origin;
@@ -71,11 +70,12 @@ impl Surface {
         let grids = std::iter::once(source).chain(whole).map(|source| {
             Grid::new(source).map_err(|error| origin.whole(format!("{error:?}"), "heights that 16 bits hold"))
         });
-        Ok(Imported { replaces_grids: true, ..imported(grids.collect::<Result<_, _>>()?, notes) })
+        let grids = grids.collect::<Result<_, _>>()?;
+        Ok(Imported { grids, notes, replaces_grids: true, ..Imported::default() })
     }
 }
 
-/// Mean of the interpolated mesh, to 0.01 mm.
+/// Mean of the heights, to 0.01 mm.
 fn mean(heights: &[Vec<f64>]) -> f64 {
     let count = heights.iter().map(Vec::len).sum::<usize>().max(1);
     (heights.iter().flatten().sum::<f64>() / count as f64 * 100.0).round() / 100.0 + 0.0

@@ -40,7 +40,7 @@ use crate::text::fixed;
 use columns::{Columns, Layout};
 use std::fmt::Write;
 use std::path::Path;
-use trueaxis::machine::{Axis, LocationErrors};
+use trueaxis::machine::Axis;
 use trueaxis::range;
 use trueaxis_metrology::accuracy::{AccuracyError, Approach, Direction, Measurement};
 
@@ -151,14 +151,8 @@ pub(super) fn imported(measurement: &Measurement, notes: Vec<String>, origin: &O
         )
     });
     let one_way = (measurement.directions.len() == 1).then(|| one_way(axis));
-    Ok(Imported {
-        grids: Vec::new(),
-        tables: vec![(axis, table)],
-        location: LocationErrors::default(),
-        settings: None,
-        notes: notes.into_iter().chain(mean_of_both).chain(one_way).collect(),
-        replaces_grids: false,
-    })
+    let notes = notes.into_iter().chain(mean_of_both).chain(one_way).collect();
+    Ok(Imported { tables: vec![(axis, table)], notes, ..Imported::default() })
 }
 
 /// A note on a table that was measured in one direction.
