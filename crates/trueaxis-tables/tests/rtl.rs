@@ -58,6 +58,9 @@ fn damaged_measurements_are_refused_with_their_line() {
         let error = read(&RTL.replacen(from, to, 1), axis).unwrap_err().to_string();
         assert!(error.contains(place) && error.contains(words), "{error}");
     }
+    // The type of a file of another kind is named, also where its rows are not found.
+    let error = read("HEADER::\nFile type  : ang\n", None).unwrap_err().to_string();
+    assert!(error.contains("File type \"ang\""), "{error}");
     for end in 0..RTL.len() {
         let _ = read(&RTL[..end], None);
     }

@@ -68,6 +68,9 @@ pub(super) fn import(text: &str, origin: &Origin, wanted: Option<Axis>) -> Resul
         Some(other) => return Err(origin.whole(format!("File type {other:?}"), "rtl, a linear measurement")),
         None => return Err(origin.whole("no File type below HEADER::", "File type : rtl")),
     }
+    if content.rows.is_empty() {
+        return Err(origin.whole("no rows below Run Target Data:", "the deviations of the runs"));
+    }
     let axis = match (content.axis, wanted) {
         (Some((line, named)), Some(wanted)) if named != wanted => {
             return Err(origin.at(line, "Axis", named.letter(), format!("axis {}", wanted.letter())));
@@ -204,9 +207,6 @@ fn content(text: &str, origin: &Origin) -> Result<Content, FileError> {
         if content.rows.len() > MOST || content.targets.len() > MOST {
             return Err(origin.at(line, "", format!("more than {MOST} rows"), "a measurement of an axis"));
         }
-    }
-    if content.rows.is_empty() {
-        return Err(origin.whole("no rows below Run Target Data:", "the deviations of the runs"));
     }
     Ok(content)
 }
