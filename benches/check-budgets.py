@@ -11,15 +11,22 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
+from threading import Lock
 
 HERE = pathlib.Path(__file__).resolve().parent
-FLAGS = {"base": "", "v3": "-Ctarget-cpu=x86-64-v3"}
+ROOT = HERE.parent
+TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+# What compiles the workspace's crates for a target: those of others are built once, for all of them.
+WRAPPER = {"base": None, "v3": HERE / "rustc-v3"}
+COUNTS = ["--profile", "counted", "-p", "trueaxis-benches", "--features", "counts", "--bench", "counts"]
+BUILDING = Lock()
 GROWTH = 1.005
 # Whole steps along the butterfly: geometry alone; with friction, with feedback, with all of the dynamic correction; with a
 # grid over two axes, over three.
@@ -37,28 +44,27 @@ def instructions(summary):
 
 
 def measure(target):
-    """Runs the counts built for a target; a count for every part."""
-    environment = dict(os.environ, RUSTFLAGS=FLAGS[target])
-    root = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", HERE.parent / "target"))
-    if target != "base":
-        root = root / target
-    environment["CARGO_TARGET_DIR"] = str(root)
-    command = ["cargo", "bench", "-q", "--profile", "counted", "-p", "trueaxis-benches", "--features", "counts", "--bench", "counts", "--", "--save-summary=json"]
-    done = subprocess.run(command, env=environment, cwd=HERE.parent, stdout=subprocess.PIPE, text=True, check=False)
+    """Builds the counts for a target and runs them; a count for every part."""
+    environment = dict(os.environ, GUNGRAUN_HOME=str(TARGET / "gungraun" / target))
+    if WRAPPER[target]:
+        environment["RUSTC_WORKSPACE_WRAPPER"] = str(WRAPPER[target])
+    program = TARGET / f"counted/counted-{target}"
+    with BUILDING:
+        subprocess.run(["cargo", "build", "-q", *COUNTS, "--bin", "counted"], env=environment, cwd=ROOT, check=True)
+        shutil.copy2(TARGET / "counted/counted", program)
+    command = ["cargo", "bench", "-q", *COUNTS, "--", "--save-summary=json"]
+    done = subprocess.run(command, env=environment, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
         sys.exit(f"the counts did not run:\n{done.stdout}")
     counts = {}
-    for path in (root / "gungraun").rglob("summary.json"):
+    for path in (TARGET / "gungraun" / target).rglob("summary.json"):
         summary = json.loads(path.read_text())
         counts[f"{summary['function_name']}.{summary['id']}"] = instructions(summary)
-    return counts | steps(root, environment)
+    return counts | steps(program)
 
 
-def steps(root, environment):
+def steps(program):
     """Counts of whole steps, each cycle alone: all along the butterfly, and the dearest adversarial ones."""
-    command = ["cargo", "build", "-q", "--profile", "counted", "-p", "trueaxis-benches", "--features", "counts", "--bin", "counted"]
-    subprocess.run(command, env=environment, cwd=HERE.parent, check=True)
-    program = root / "counted/counted"
     walks = {name: each(program, "counted_walk", name) for name in WALKS}
     dearest = tomllib.loads(ADVERSARIAL.read_text())["m7"]["dearest"]
     hard = each(program, "counted_adversarial", "adversarial", *map(str, dearest))
@@ -107,7 +113,7 @@ def commit(path, target, counts):
 
 
 def main():
-    targets = [name for name in FLAGS if name in sys.argv] or list(FLAGS)
+    targets = [name for name in WRAPPER if name in sys.argv] or list(WRAPPER)
     # Side by side: while one runs under callgrind, on one core, the other is built.
     with ThreadPoolExecutor() as both:
         counts_of = dict(zip(targets, both.map(measure, targets)))

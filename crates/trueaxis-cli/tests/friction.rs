@@ -58,7 +58,7 @@ fn readings(command: &[f64]) -> Vec<f64> {
 }
 
 fn text(feeds: &[f64]) -> String {
-    on_circles(15.004, feeds)
+    on_circles(5.004, feeds)
 }
 
 fn on_circles(radius: f64, feeds: &[f64]) -> String {

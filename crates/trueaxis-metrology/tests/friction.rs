@@ -48,9 +48,9 @@ fn record(circles: &[Circle], period_s: f64, ramp_s: f64, drive: &DriveFigures, 
     Record::new(&stamps, axes).unwrap()
 }
 
-/// The standard circles, with the time within the cycle at which the encoder is read.
+/// The small circles, with the time within the cycle at which the encoder is read.
 fn read_at(period_s: f64, friction: &FrictionSettings, within: (Commands, f64)) -> Record {
-    let [x, y] = commands(&CIRCLES, period_s, 0.05);
+    let [x, y] = commands(&SMALL, period_s, 0.05);
     let stamps = times(x.len(), period_s);
     let recorded = |axis, command: Vec<f64>, seed| {
         let reading = read_within(&command, period_s, (&DRIVE, friction), seed, within);
