@@ -11,14 +11,12 @@ import json
 import os
 import pathlib
 import re
-import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
-from threading import Lock
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -26,7 +24,6 @@ TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 # What compiles the workspace's crates for a target: those of others are built once, for all of them.
 WRAPPER = {"base": None, "v3": HERE / "rustc-v3"}
 COUNTS = ["--profile", "counted", "-p", "trueaxis-benches", "--features", "counts", "--bench", "counts"]
-BUILDING = Lock()
 GROWTH = 1.005
 # Whole steps along the butterfly: geometry alone; with friction, with feedback, with all of the dynamic correction; with a
 # grid over two axes, over three.
@@ -45,13 +42,13 @@ def instructions(summary):
 
 def measure(target):
     """Builds the counts for a target and runs them; a count for every part."""
-    environment = dict(os.environ, GUNGRAUN_HOME=str(TARGET / "gungraun" / target))
+    environment = dict(os.environ, GUNGRAUN_HOME=str(TARGET / "gungraun" / target), CARGO_BUILD_BUILD_DIR=str(TARGET))
+    root = TARGET
     if WRAPPER[target]:
-        environment["RUSTC_WORKSPACE_WRAPPER"] = str(WRAPPER[target])
-    program = TARGET / f"counted/counted-{target}"
-    with BUILDING:
-        subprocess.run(["cargo", "build", "-q", *COUNTS, "--bin", "counted"], env=environment, cwd=ROOT, check=True)
-        shutil.copy2(TARGET / "counted/counted", program)
+        # Only programs: all else is in the folder for building, which the targets share.
+        root = TARGET / target
+        environment |= {"CARGO_TARGET_DIR": str(root), "RUSTC_WORKSPACE_WRAPPER": str(WRAPPER[target])}
+    subprocess.run(["cargo", "build", "-q", *COUNTS, "--bin", "counted"], env=environment, cwd=ROOT, check=True)
     command = ["cargo", "bench", "-q", *COUNTS, "--", "--save-summary=json"]
     done = subprocess.run(command, env=environment, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
@@ -60,7 +57,7 @@ def measure(target):
     for path in (TARGET / "gungraun" / target).rglob("summary.json"):
         summary = json.loads(path.read_text())
         counts[f"{summary['function_name']}.{summary['id']}"] = instructions(summary)
-    return counts | steps(program)
+    return counts | steps(root / "counted/counted")
 
 
 def steps(program):
