@@ -20,7 +20,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
-TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+TARGET = ROOT / os.environ.get("CARGO_TARGET_DIR", "target")
 # What compiles the workspace's crates for a target: those of others are built once, for all of them.
 WRAPPER = {"base": None, "v3": HERE / "rustc-v3"}
 COUNTS = ["--profile", "counted", "-p", "trueaxis-benches", "--features", "counts", "--bench", "counts"]
@@ -42,7 +42,7 @@ def instructions(summary):
 
 def measure(target):
     """Builds the counts for a target and runs them; a count for every part."""
-    environment = dict(os.environ, GUNGRAUN_HOME=str(TARGET / "gungraun" / target), CARGO_BUILD_BUILD_DIR=str(TARGET))
+    environment = dict(os.environ, RUSTFLAGS="", GUNGRAUN_HOME=str(TARGET / "gungraun" / target), CARGO_BUILD_BUILD_DIR=str(TARGET))
     root = TARGET
     if WRAPPER[target]:
         # Only programs: all else is in the folder for building, which the targets share.
