@@ -15,7 +15,7 @@ const TINY = "G21 G90 G94 G17\nF2400\nG0 Z5\nG1 Z0\nX20 Y10\nG2 X20 Y-10 I0 J-10
 const header = (page) => page.getByRole("group", { name: "Machine", exact: true });
 const scope = (page) => page.getByRole("tabpanel", { name: "Servo scope" });
 
-/** Contour errors before and after the exchange of tables, once the run has got there. */
+/** Contour errors before and after the exchange of tables, once the run has ended: until then the sentence ends in "so far". */
 async function errors(panel) {
   const sentence = panel.getByText(EXCHANGED);
   await sentence.waitFor({ timeout: LONG });

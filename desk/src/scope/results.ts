@@ -39,8 +39,8 @@ export function sentence(run: Result): string {
 /** Time after an exchange that the correction takes to its new value, s. */
 const SETTLED_S = 0.3;
 
-/** Largest contour errors before and after the last exchange of the tables in motion, in a sentence. */
-export function exchanged(rows: Rows, acts: readonly string[]): string {
+/** Largest contour errors before and after the last exchange of the tables in motion, in a sentence; `done`: the run has ended. */
+export function exchanged(rows: Rows, acts: readonly string[], done: boolean): string {
   const time = rows.column("time_s");
   const now = time.at(-1) ?? 0;
   const times = acts.filter((act) => exchangeOf(act) !== undefined).map((act) => startOf(act)).sort((one, other) => one - other);
@@ -51,7 +51,7 @@ export function exchanged(rows: Rows, acts: readonly string[]): string {
   const most = (from: number, to: number) => errors.reduce((most, error, row) => (cutting[row]! > 0 && time[row]! >= from && time[row]! < to && error > most ? error : most), 0);
   const [before, after] = [most(previous === undefined ? 0 : previous + SETTLED_S, at), most(at + SETTLED_S, Infinity)];
   if (before === 0 || after === 0) return "";
-  return `Tables exchanged at ${significant(at, 3)} s: the largest corrected contour error ${after < before ? "falls" : "rises"} from ${significant(before, 3)} to ${significant(after, 3)} µm.`;
+  return `Tables exchanged at ${significant(at, 3)} s: the largest corrected contour error ${after < before ? "falls" : "rises"} from ${significant(before, 3)} to ${significant(after, 3)} µm${done ? "" : " so far"}.`;
 }
 
 type Sizes = Partial<Record<Kind, Size>>;

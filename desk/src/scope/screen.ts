@@ -103,7 +103,7 @@ export class Screen {
   private results(): void {
     if (!this.shown) return;
     this.sentence.set(sentence(this.shown.result));
-    this.exchange.set(exchanged(this.shown.rows, this.shown.setup.acts));
+    this.exchange.set(exchanged(this.shown.rows, this.shown.setup.acts, this.shown.result.progress.done));
     this.figures.replaceChildren(results(this.shown.result, this.comparison.kept?.result));
   }
 
