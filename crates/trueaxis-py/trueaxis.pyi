@@ -1,9 +1,9 @@
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import Any, ClassVar, Literal, TypedDict, final, type_check_only
+from typing import Any, ClassVar, Literal, Protocol, TypedDict, final, type_check_only
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["Error", "NeedsPerson", "__version__", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "calibrate_plan", "calibrate_solve", "keep_plan", "keep_begin", "keep_check", "keep_apply", "keep_undo", "keep_history", "thermal_fit", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate"]
 
@@ -14,6 +14,14 @@ class Error(ValueError):
 
 class NeedsPerson(Error):
     """A term of a re-probing is out of its bounds: nothing is changed, and a person has to decide; exit code 3 of `trueaxis keep`."""
+
+@type_check_only
+class Frame(Protocol):
+    """A data frame: columns by name, as of pandas or Polars."""
+
+    @property
+    def columns(self) -> Any: ...
+    def __getitem__(self, name: Any, /) -> Any: ...
 
 @type_check_only
 class ContourError(TypedDict):
@@ -42,7 +50,7 @@ class Machine:
     def columns(self) -> list[str]: ...
     def error(
         self,
-        positions: NDArray[np.float64],
+        positions: ArrayLike | Frame,
         *,
         model: Literal["nine", "volumetric", "exact"] | None = None,
         reverse: bool = False,
@@ -51,7 +59,7 @@ class Machine:
     ) -> NDArray[np.float64]: ...
     def orientation_error(
         self,
-        positions: NDArray[np.float64],
+        positions: ArrayLike | Frame,
         *,
         model: Literal["volumetric", "exact"] | None = None,
         reverse: bool = False,
@@ -60,7 +68,7 @@ class Machine:
     ) -> NDArray[np.float64]: ...
     def correction(
         self,
-        positions: NDArray[np.float64],
+        positions: ArrayLike | Frame,
         *,
         model: Literal["nine", "volumetric", "exact"] | None = None,
         reverse: bool = False,
@@ -70,12 +78,12 @@ class Machine:
         orientation: bool = False,
     ) -> NDArray[np.float64]: ...
     def forward(
-        self, positions: NDArray[np.float64], *, tool_mm: Sequence[float] | None = None
+        self, positions: ArrayLike | Frame, *, tool_mm: Sequence[float] | None = None
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
     def inverse(
         self,
-        tip: NDArray[np.float64],
-        tool: NDArray[np.float64],
+        tip: ArrayLike,
+        tool: ArrayLike,
         *,
         branch: Literal["nearest", "1", "2"] = "nearest",
         start: Sequence[float] | None = None,
@@ -106,9 +114,9 @@ class Path:
     def segments(self) -> int: ...
     def contour_error(
         self,
-        segment: NDArray[np.float64],
-        u: NDArray[np.float64],
-        actual: NDArray[np.float64],
+        segment: ArrayLike,
+        u: ArrayLike,
+        actual: ArrayLike | Frame,
         *,
         max_lag_mm: float = 1.0,
         method: Literal["guarded", "bisection"] = "guarded",
@@ -163,7 +171,7 @@ def simulate(
 ) -> dict[str, Any]: ...
 def helicoid(*, gcode: bool = False, **request: Any) -> dict[str, Any]: ...
 def identify(
-    readings: NDArray[np.float64] | str | PathLike[str],
+    readings: ArrayLike | Frame | str | PathLike[str],
     *,
     axis: Literal["A", "B", "C"],
     machine: Machine | None = None,
@@ -172,7 +180,7 @@ def identify(
     table: bool = False,
 ) -> dict[str, Any]: ...
 def friction(
-    record: NDArray[np.float64] | str | PathLike[str],
+    record: ArrayLike | Frame | str | PathLike[str],
     *,
     axes: str,
     machine: Machine | None = None,
@@ -181,7 +189,7 @@ def friction(
     toml: bool = False,
 ) -> dict[str, Any]: ...
 def ballbar(
-    record: NDArray[np.float64] | str | PathLike[str],
+    record: ArrayLike | Frame | str | PathLike[str],
     *,
     radius_mm: float,
     axes: str = "X,Y",
@@ -218,7 +226,7 @@ def keep_apply(
 def keep_undo(task: str | PathLike[str], entry: int | None = None, *, time: str | None = None, by_hand: bool = False) -> dict[str, Any]: ...
 def keep_history(task: str | PathLike[str]) -> list[dict[str, Any]]: ...
 def thermal_fit(
-    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
     *,
     machine: Machine | None = None,
     hold_out: Sequence[int] = ...,
@@ -226,26 +234,26 @@ def thermal_fit(
     toml: bool = False,
 ) -> dict[str, Any]: ...
 def evaluate_probing(
-    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
     *,
     feature: Literal["ring", "sphere", "point"],
     diameter_mm: float | None = None,
 ) -> dict[str, Any]: ...
 def evaluate_thermal(
-    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
     *,
     test: Literal["etve", "spindle", "axis"] = "spindle",
     period_min: float = 60.0,
     distance_mm: float | None = None,
 ) -> dict[str, Any]: ...
 def evaluate_step_diagonal(
-    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
     *,
     alignment_urad: float | None = None,
     machine: Machine | None = None,
 ) -> dict[str, Any]: ...
 def evaluate_r_test(
-    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
     *,
     machine: Machine,
     tool_mm: Sequence[float] | None = None,
@@ -253,15 +261,15 @@ def evaluate_r_test(
     free_sensor: bool = False,
 ) -> dict[str, Any]: ...
 def evaluate_points(
-    record: Mapping[str, NDArray[np.float64]] | str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
     *,
     machine: Machine,
     nodes: Sequence[int] | None = None,
     without: Sequence[str] = ...,
 ) -> dict[str, Any]: ...
-def circle(points: NDArray[np.float64]) -> dict[str, Any]: ...
+def circle(points: ArrayLike | Frame) -> dict[str, Any]: ...
 def roundness(
-    readings: NDArray[np.float64],
+    readings: ArrayLike,
     *,
     n: int,
     harmonics: tuple[int, int] | None = None,
@@ -272,7 +280,7 @@ def roundness(
     arm: tuple[float, float, float] | None = None,
     upr: int | None = None,
     noise_gain_limit: float = ...,
-    theta_deg: NDArray[np.float64] | None = None,
+    theta_deg: ArrayLike | None = None,
 ) -> dict[str, Any]: ...
 def probe_angles(
     *,

@@ -1,20 +1,33 @@
-//! Checks arrays from Python: shape, type and every number.
+//! Arrays from Python: whatever NumPy makes an array of, its shape, and every number.
 
 use crate::Error;
-use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyString;
 
 /// Largest size of a number, as in the command line's files.
 const MOST: f64 = 1e9;
 
-/// Copies an array of float64: another thread of the caller may change the array while the computation runs without the lock.
+/// Copies an array-like of integers or floats as float64; raises TypeError for any other type, such as complex numbers, text
+/// or objects.
+///
+/// A copy, as another thread of the caller may change an array while the computation runs without the lock.
 fn numbers(of: &Bound<'_, PyAny>, name: &str, needed: &str) -> PyResult<(Vec<usize>, Vec<f64>)> {
-    let refused = |found: String| Error::new_err(format!("{name}: found {found}, needed {needed}"));
-    let Ok(array) = of.cast::<PyUntypedArray>() else {
+    let numpy = of.py().import("numpy")?;
+    let refused = |found: String| PyTypeError::new_err(format!("{name}: found {found}, needed {needed}"));
+    if of.is_instance_of::<PyString>() || of.is_none() {
         return Err(refused(format!("{}", of.get_type().name()?)));
-    };
-    let Ok(array) = array.cast::<PyArrayDyn<f64>>() else {
+    }
+    // Rows of unequal lengths make no array.
+    let ragged = |error: PyErr| Error::new_err(format!("{name}: found {}, needed {needed}", error.value(of.py())));
+    let array = numpy.call_method1("asarray", (of,)).map_err(ragged)?.cast_into::<PyUntypedArray>()?;
+    if !matches!(array.dtype().kind(), b'i' | b'u' | b'f') {
         return Err(refused(format!("dtype {}", array.dtype())));
+    }
+    let array = match array.cast::<PyArrayDyn<f64>>() {
+        Ok(array) => array.clone(),
+        Err(_) => array.call_method1("astype", ("float64",))?.cast_into::<PyArrayDyn<f64>>()?,
     };
     let array: PyReadonlyArrayDyn<'_, f64> = array.try_readonly()?;
     let shape = array.shape().to_vec();
@@ -41,7 +54,7 @@ fn check(values: &[f64], columns: Option<usize>, name: &str) -> PyResult<()> {
 /// Reads an array whose number of columns is one of `widths`; returns that number and the values row by row.
 pub(crate) fn rows(of: &Bound<'_, PyAny>, name: &str, widths: &[usize]) -> PyResult<(usize, Vec<f64>)> {
     let listed: Vec<String> = widths.iter().map(|width| format!("(n, {width})")).collect();
-    let needed = format!("a numpy array of float64, shape {}, n at least 1", listed.join(" or "));
+    let needed = format!("an array of real numbers, shape {}, n at least 1", listed.join(" or "));
     let (shape, values) = numbers(of, name, &needed)?;
     match shape[..] {
         [count, width] if count > 0 && widths.contains(&width) => {
@@ -52,9 +65,37 @@ pub(crate) fn rows(of: &Bound<'_, PyAny>, name: &str, widths: &[usize]) -> PyRes
     }
 }
 
+/// Like [`rows`], by one of `forms`, the names of the columns: a data frame's columns are found by name in any order and
+/// beside others, in the form with the most of them; an array has the columns of a form in its order.
+pub(crate) fn named(of: &Bound<'_, PyAny>, name: &str, forms: &[&[&str]]) -> PyResult<(usize, Vec<f64>)> {
+    let widths: Vec<usize> = forms.iter().map(|form| form.len()).collect();
+    if !is_frame(of)? {
+        return rows(of, name, &widths);
+    }
+    let columns: Vec<String> = columns_of(of)?;
+    let whole = |form: &&&[&str]| form.iter().all(|column| columns.iter().any(|own| own == column));
+    let Some(form) = forms.iter().filter(whole).max_by_key(|form| form.len()) else {
+        let needed: Vec<String> = forms.iter().map(|form| form.join(", ")).collect();
+        let found = format!("columns {}", columns.join(", "));
+        return Err(Error::new_err(format!("{name}: found {found}, needed {}", needed.join(" or "))));
+    };
+    let picked = form.iter().map(|column| of.get_item(column)).collect::<PyResult<Vec<_>>>()?;
+    rows(&of.py().import("numpy")?.call_method1("column_stack", (picked,))?, name, &[form.len()])
+}
+
+/// Whether this is a data frame: an object with named columns.
+pub(crate) fn is_frame(of: &Bound<'_, PyAny>) -> PyResult<bool> {
+    of.hasattr("columns")
+}
+
+/// Names of a data frame's columns.
+pub(crate) fn columns_of(frame: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+    frame.getattr("columns")?.try_iter()?.map(|column| Ok(column?.str()?.to_string())).collect()
+}
+
 /// Reads one number per row of `of_rows`.
 pub(crate) fn column(of: &Bound<'_, PyAny>, name: &str, count: usize, of_rows: &str) -> PyResult<Vec<f64>> {
-    let needed = format!("a numpy array of float64, shape ({count},), one number a row of {of_rows}");
+    let needed = format!("an array of real numbers, shape ({count},), one number a row of {of_rows}");
     let (shape, values) = numbers(of, name, &needed)?;
     if shape != [count] {
         return Err(Error::new_err(format!("{name}: found {}, needed {needed}", shape_of(&shape))));

@@ -24,10 +24,10 @@ pub(crate) fn with_decisions(document: &Bound<'_, PyDict>, written: Option<&[Dec
 
 /// Fits the reference circles of ISO 12181-1 to points of a section; returns the document of `trueaxis circle --json`.
 ///
-/// - points: (n, 2), mm.
+/// - points: (n, 2), mm, or a data frame with the columns x_mm, y_mm.
 #[pyfunction]
 pub(crate) fn circle<'py>(py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    let (_, values) = arrays::rows(points, "points", &[2])?;
+    let (_, values) = arrays::named(points, "points", &[&["x_mm", "y_mm"]])?;
     let document = to_python(py.detach(|| {
         let points = values.as_chunks::<2>().0.to_vec();
         let lines = (0..points.len() as u32).collect();

@@ -17,8 +17,10 @@ mod simulation;
 mod thermal;
 
 use pyo3::create_exception;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyFileNotFoundError, PyValueError};
 use pyo3::prelude::*;
+use std::io;
+use trueaxis_tables::error::FileError;
 
 create_exception!(
     trueaxis,
@@ -34,9 +36,16 @@ create_exception!(
     "A term of a re-probing is out of its bounds: nothing is changed, and a person has to decide; exit code 3 of `trueaxis keep`."
 );
 
-/// Converts an error of the crates to the module's exception.
+/// Converts an error of the crates: FileNotFoundError for a file that does not exist, else the module's exception.
 fn to_python<T>(result: anyhow::Result<T>) -> PyResult<T> {
-    result.map_err(|error| Error::new_err(format!("{error:#}")))
+    let missing = |cause: &(dyn std::error::Error + 'static)| {
+        let io = cause.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::NotFound);
+        io || cause.downcast_ref::<FileError>().is_some_and(|error| error.line.is_none() && !error.file.exists())
+    };
+    result.map_err(|error| {
+        let text = format!("{error:#}");
+        if error.chain().any(missing) { PyFileNotFoundError::new_err(text) } else { Error::new_err(text) }
+    })
 }
 
 /// Raises a note of the command line as a Python warning.

@@ -87,7 +87,8 @@ impl Machine {
     /// Computes the error of the tool tip at commanded positions, actual − ideal, µm: an array (n, 3) with the columns ex_um,
     /// ey_um, ez_um of `trueaxis compensate`. Beyond a table's end, it uses the table's edge value and warns.
     ///
-    /// - positions: (n, 3), or the columns that `columns` lists, mm and degrees; omitted rotary axes are at 0.
+    /// - positions: (n, 3), or the columns that `columns` lists, mm and degrees: any array-like of real numbers, or a data frame
+    ///   with these columns; omitted rotary axes are at 0.
     /// - model: "nine", "volumetric", or "exact" (transforms).
     /// - reverse: all axes travel in the negative direction.
     /// - in_order: the direction of each axis follows from the row before.
@@ -270,8 +271,10 @@ impl Machine {
         };
         let kelvin = temperature_c.map_or(0.0, |celsius| celsius - machine.settings.reference_temperature_c);
         let mut columns: Vec<Axis> = columns(&machine).collect();
-        let widths = if columns.len() == 3 { vec![3] } else { vec![3, columns.len()] };
-        let (width, values) = arrays::rows(positions, "positions", &widths)?;
+        let names = self.columns();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let forms: &[&[&str]] = if names.len() == 3 { &[&names] } else { &[&names[..3], &names] };
+        let (width, values) = arrays::named(positions, "positions", forms)?;
         columns.truncate(width);
         let travel = |axis: Axis| machine.settings.axis(axis).map(|own| own.travel);
         let travels: Vec<_> = columns.iter().map(|axis| travel(*axis)).collect();

@@ -1,6 +1,7 @@
 //! Measurements: a file that the command line reads, or an array.
 
 use crate::{Error, arrays};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::borrow::Cow;
@@ -17,13 +18,12 @@ pub(crate) enum Measured {
 }
 
 impl Measured {
-    /// Accepts a path, or an array with the columns of one of `forms`; the number of columns distinguishes the forms.
+    /// Accepts a path, or an array or data frame with the columns of one of `forms`; their number distinguishes the forms.
     pub(crate) fn of(given: &Bound<'_, PyAny>, name: &'static str, forms: &[&[&str]]) -> PyResult<Measured> {
         if let Ok(path) = given.extract::<PathBuf>() {
             return Ok(Measured::File(path));
         }
-        let widths: Vec<usize> = forms.iter().map(|columns| columns.len()).collect();
-        let (width, values) = arrays::rows(given, name, &widths)?;
+        let (width, values) = arrays::named(given, name, forms)?;
         let columns = forms.iter().find(|columns| columns.len() == width).copied().unwrap_or_default();
         let mut text = columns.join(",");
         for row in values.chunks_exact(width) {
@@ -34,18 +34,23 @@ impl Measured {
         Ok(Measured::Text { name, text })
     }
 
-    /// Accepts a path, or a dict of arrays of equal length by column; its rows count from line 2.
+    /// Accepts a path, or a dict or data frame with columns of equal length; its rows count from line 2.
     pub(crate) fn of_columns(given: &Bound<'_, PyAny>, name: &'static str, known: &[Column]) -> PyResult<Measured> {
         if let Ok(path) = given.extract::<PathBuf>() {
             return Ok(Measured::File(path));
         }
-        let Ok(given) = given.cast::<PyDict>() else {
-            let found = given.get_type().name()?;
-            return Err(Error::new_err(format!("{name}: found {found}, needed a file or a dict of numpy arrays")));
+        let keys = match given.cast::<PyDict>() {
+            Ok(dict) => dict.keys().extract()?,
+            Err(_) if arrays::is_frame(given)? => arrays::columns_of(given)?,
+            Err(_) => {
+                let found = given.get_type().name()?;
+                let needed = "a file, or a dict or data frame of columns";
+                return Err(PyTypeError::new_err(format!("{name}: found {found}, needed {needed}")));
+            }
         };
-        let (mut names, mut columns) = (Vec::new(), Vec::new());
-        for (key, values) in given {
-            let key: String = key.extract()?;
+        let (mut names, mut columns): (Vec<String>, Vec<Vec<f64>>) = Default::default();
+        for key in keys {
+            let values = given.get_item(&key)?;
             if !known.iter().any(|column| column.name == key) {
                 let names: Vec<&str> = known.iter().map(|column| column.name).collect();
                 return Err(Error::new_err(format!(
@@ -79,7 +84,7 @@ impl Measured {
         notes: &'r mut Vec<String>,
     ) -> anyhow::Result<Rows<'r, C>> {
         let input: Box<dyn Read + 'r> = match self {
-            Measured::File(path) => Box::new(File::open(path).map_err(|error| unreadable(path, &error))?),
+            Measured::File(path) => Box::new(File::open(path).map_err(|error| unreadable(path, error))?),
             Measured::Text { text, .. } => Box::new(text.as_bytes()),
         };
         Rows::new(input, self.name(), columns, |note| notes.push(note))
@@ -88,12 +93,12 @@ impl Measured {
     /// All bytes of the measurements.
     pub(crate) fn bytes(&self) -> anyhow::Result<Cow<'_, [u8]>> {
         match self {
-            Measured::File(path) => Ok(std::fs::read(path).map_err(|error| unreadable(path, &error))?.into()),
+            Measured::File(path) => Ok(std::fs::read(path).map_err(|error| unreadable(path, error))?.into()),
             Measured::Text { text, .. } => Ok(text.as_bytes().into()),
         }
     }
 }
 
-fn unreadable(path: &Path, error: &std::io::Error) -> anyhow::Error {
-    anyhow::anyhow!("cannot read {}: {error}", path.display())
+fn unreadable(path: &Path, error: std::io::Error) -> anyhow::Error {
+    anyhow::Error::new(error).context(format!("cannot read {}", path.display()))
 }

@@ -49,7 +49,7 @@ impl Path {
     /// reference. Returns the columns of `trueaxis contour` as arrays: segment and u of the foot, error_um (the distance to
     /// it), vector_um (n, 3; actual − foot), evaluations, bracketed.
     ///
-    /// - actual: (n, 3), mm.
+    /// - actual: (n, 3), mm, or a data frame with the columns x_mm, y_mm, z_mm.
     /// - segment, u: (n,), the reference of each position.
     ///
     /// Raises trueaxis.Error with the row: a reference that is not on the path, a coordinate that does not change while the
@@ -64,7 +64,7 @@ impl Path {
         max_lag_mm: f64,
         method: &str,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (_, actual) = arrays::rows(actual, "actual", &[3])?;
+        let (_, actual) = arrays::named(actual, "actual", &[&["x_mm", "y_mm", "z_mm"]])?;
         let count = actual.len() / 3;
         let segment = arrays::column(segment, "segment", count, "actual")?;
         let u = arrays::column(u, "u", count, "actual")?;

@@ -7,9 +7,9 @@ import pytest
 import trueaxis
 
 
-def refused(call):
+def refused(call, kind=trueaxis.Error):
     """Asserts that a call raises an error of one line; returns the line."""
-    with pytest.raises(trueaxis.Error) as caught:
+    with pytest.raises(kind) as caught:
         call()
     text = str(caught.value)
     assert text and "\n" not in text

@@ -71,4 +71,4 @@ def test_refusals():
     assert refused(lambda: trueaxis.ballbar(rows, radius_mm=100, axes="X,A")).startswith("axes: ")
     rows[7, 2] = 0.0
     assert refused(lambda: trueaxis.ballbar(rows, radius_mm=100)).startswith("record:9: column direction: found 0")
-    assert refused(lambda: trueaxis.ballbar("nowhere.csv", radius_mm=100)).startswith("cannot read nowhere.csv")
+    assert refused(lambda: trueaxis.ballbar("nowhere.csv", radius_mm=100), FileNotFoundError).startswith("cannot read nowhere.csv")

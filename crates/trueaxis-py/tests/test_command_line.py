@@ -8,6 +8,8 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
+import pandas
+import polars
 import pytest
 
 import trueaxis
@@ -254,12 +256,18 @@ def test_damaged_compiled_files_are_refused_in_the_words_of_the_command_line(tmp
 def test_wrong_arrays_are_named():
     machine = trueaxis.Machine.load(TABLES / "mill-3axis")
     good = np.array([[0.0, 0.0, -200.0]] * 3)
-    needed = "needed a numpy array of float64, shape (n, 3), n at least 1"
+    needed = "needed an array of real numbers, shape (n, 3), n at least 1"
     for of in (machine.error, machine.correction):
-        assert refused(lambda: of(good.tolist())) == f"positions: found list, {needed}"
-        assert refused(lambda: of(good.astype(np.float32))) == f"positions: found dtype float32, {needed}"
-        assert refused(lambda: of(good.astype(int))) == f"positions: found dtype int64, {needed}"
-        assert refused(lambda: of(good.astype(">f8"))).startswith("positions: found dtype >f8, ")
+        for wrong, found in [
+            (good.astype(complex), "dtype complex128"),
+            (good.astype(object), "dtype object"),
+            (good.astype(bool), "dtype bool"),
+            ([["0", "0", "-200"]], "dtype <U4"),
+            ("positions.csv", "str"),
+            (None, "NoneType"),
+        ]:
+            assert refused(lambda: of(wrong), TypeError) == f"positions: found {found}, {needed}"
+        assert refused(lambda: of([[0, 0], [0, 0, -200]])).startswith("positions: found setting an array element")
         assert refused(lambda: of(good[:, :2])) == f"positions: found shape (3, 2), {needed}"
         assert refused(lambda: of(good[0])) == f"positions: found shape (3,), {needed}"
         assert refused(lambda: of(good[:0])) == f"positions: found shape (0, 3), {needed}"
@@ -277,6 +285,39 @@ def test_wrong_arrays_are_named():
     assert "whole revolutions of 64 rows" in refused(lambda: trueaxis.roundness(good, n=64, p=5, q=20))
     assert refused(lambda: trueaxis.probe_angles(n=100)) == "--n: found 100, needed a power of two from 64 to 4096"
     assert "segments: found none" in refused(lambda: trueaxis.Path.from_json('{"segments":[]}'))
+
+
+def test_array_likes_are_taken_and_data_frames_by_the_names_of_their_columns():
+    machine = trueaxis.Machine.load(TABLES / "mill-turn")
+    at = np.round(positions(machine, 20))
+    expected = machine.error(at)
+    for alike in (at.tolist(), tuple(map(tuple, at)), at.astype(int), at.astype(np.float32), at.astype(">f8"), pandas.DataFrame(at, columns=machine.columns).to_numpy()):
+        assert np.array_equal(machine.error(alike), expected)
+    shuffled = pandas.DataFrame(at, columns=machine.columns).assign(part=1).iloc[:, ::-1]
+    assert np.array_equal(machine.error(shuffled), expected)
+    assert np.array_equal(machine.error(polars.DataFrame({name: shuffled[name].to_numpy() for name in shuffled})), expected)
+    linear = shuffled[["z_mm", "y_mm", "x_mm"]]
+    assert np.array_equal(machine.error(linear), machine.error(at[:, :3].copy()))
+    found = refused(lambda: machine.error(linear.rename(columns={"z_mm": "Z"})))
+    assert found == f"positions: found columns Z, y_mm, x_mm, needed x_mm, y_mm, z_mm or {', '.join(machine.columns)}"
+    text = refused(lambda: machine.error(linear.assign(y_mm="0")), TypeError)
+    assert text.startswith("positions: found dtype ")
+
+
+def test_missing_files_are_file_not_found_errors(tmp_path):
+    for call in (
+        lambda: trueaxis.Machine.load(tmp_path / "nowhere"),
+        lambda: trueaxis.Machine.load(tmp_path / "nowhere.tcomp"),
+        lambda: trueaxis.Path.load(tmp_path / "nowhere.json"),
+        lambda: trueaxis.Program.load(tmp_path / "nowhere.ngc"),
+        lambda: trueaxis.calibrate_plan(tmp_path / "nowhere.toml"),
+        lambda: trueaxis.keep_history(tmp_path / "nowhere.toml"),
+        lambda: trueaxis.thermal_fit(tmp_path / "nowhere.csv"),
+    ):
+        assert "nowhere" in refused(call, FileNotFoundError)
+    # A table that a machine names and that is not there.
+    (tmp_path / "machine.toml").write_text((TABLES / "mill-3axis/machine.toml").read_text())
+    assert "found No such file" in refused(lambda: trueaxis.Machine.load(tmp_path), FileNotFoundError)
 
 
 def test_views_and_orders_of_memory_do_not_matter():

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pandas
 import pytest
 
 import trueaxis
@@ -96,17 +97,18 @@ def test_ring(tmp_path):
     record = {"x_mm": 22 * np.cos(turn), "y_mm": 22 * np.sin(turn) + NOISE.normal(0, 2e-4, 72), "run": np.repeat([1.0, 2.0], 36)}
     call = lambda record: trueaxis.evaluate_probing(record, feature="ring", diameter_mm=50)
     found = same_as_command(tmp_path, "probing", record, call, "--feature", "ring", "--diameter-mm", "50")
+    assert call(pandas.DataFrame(record)) == found
     assert found["effective_tip_diameter_mm"] == pytest.approx(6, abs=1e-3) and len(found["runs"]) == 2
 
 
 def test_refusals_of_a_record():
     call = lambda record: trueaxis.evaluate_probing(record, feature="ring")
     x = np.arange(5.0)
-    assert refused(lambda: call([1, 2])) == "record: found list, needed a file or a dict of numpy arrays"
+    assert refused(lambda: call([1, 2]), TypeError) == "record: found list, needed a file, or a dict or data frame of columns"
     assert refused(lambda: call({"x_mm": x, "w": x})).startswith('record: found column "w", needed some of x_mm, y_mm')
     assert refused(lambda: call({"x_mm": x, "y_mm": x[:4].copy()})).startswith("y_mm: found shape (4,)")
-    assert refused(lambda: call({"x_mm": x, "y_mm": np.arange(5)})).startswith("y_mm: found dtype int64")
+    assert refused(lambda: call({"x_mm": x, "y_mm": x.astype(complex)}), TypeError).startswith("y_mm: found dtype complex128")
     assert refused(lambda: call({"x_mm": x})).startswith("record")
     assert refused(lambda: call({})).startswith("record")
     assert refused(lambda: trueaxis.evaluate_probing({"x_mm": x, "y_mm": x}, feature="cone")).startswith('feature: found "cone"')
-    assert refused(lambda: call("nowhere.csv")).startswith("cannot read nowhere.csv")
+    assert refused(lambda: call("nowhere.csv"), FileNotFoundError).startswith("cannot read nowhere.csv")

@@ -69,7 +69,7 @@ def test_refusals_of_identify():
     assert refused(lambda: trueaxis.identify(twice, axis="C")).startswith("readings:50: column angle_deg: found a second row")
     assert refused(lambda: trueaxis.identify(rows, axis="C", machine=mill)).endswith("needed the axis that was measured")
     assert refused(lambda: trueaxis.identify(rows, axis="C", start_mm=[0, 0, 0])).startswith("start_mm: found no machine")
-    assert refused(lambda: trueaxis.identify("nowhere.csv", axis="C")).startswith("cannot read nowhere.csv")
+    assert refused(lambda: trueaxis.identify("nowhere.csv", axis="C"), FileNotFoundError).startswith("cannot read nowhere.csv")
 
 
 # The drives that generate the record, and the figures that the function must find.
