@@ -20,6 +20,7 @@ use pyo3::create_exception;
 use pyo3::exceptions::{PyFileNotFoundError, PyValueError};
 use pyo3::prelude::*;
 use std::io;
+use trueaxis_sim::SimError;
 use trueaxis_tables::error::FileError;
 
 create_exception!(
@@ -39,8 +40,13 @@ create_exception!(
 /// Converts an error of the crates: FileNotFoundError for a file that does not exist, else the module's exception.
 fn to_python<T>(result: anyhow::Result<T>) -> PyResult<T> {
     let missing = |cause: &(dyn std::error::Error + 'static)| {
-        let io = cause.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::NotFound);
-        io || cause.downcast_ref::<FileError>().is_some_and(|error| error.line.is_none() && !error.file.exists())
+        let io = match cause.downcast_ref() {
+            Some(SimError::Unread { error, .. }) => Some(error),
+            _ => cause.downcast_ref::<io::Error>(),
+        };
+        let of_text = |error: &FileError| error.needed == "a readable file" && !error.file.exists();
+        io.is_some_and(|error| error.kind() == io::ErrorKind::NotFound)
+            || cause.downcast_ref::<FileError>().is_some_and(of_text)
     };
     result.map_err(|error| {
         let text = format!("{error:#}");
