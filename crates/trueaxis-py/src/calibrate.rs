@@ -1,7 +1,7 @@
 //! Calibration with a touch probe: computes a program from a task, and the machine's errors from the program's log.
 
 use crate::{documents, to_python, warn};
-use anyhow::Result;
+use anyhow::{Context, Result};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
@@ -77,7 +77,7 @@ pub(crate) fn calibrate_solve(
         let read = read(&task, &mut notes)?;
         let text = read_text(&log, &['#', ';'])?;
         let (_, found) = solved(&read.task, &read.machine, &text, &log, |note| notes.push(note))?;
-        let record = std::fs::read(&log).map_err(|error| anyhow::anyhow!("{}: {error}", log.display()))?;
+        let record = std::fs::read(&log).with_context(|| log.display().to_string())?;
         let additions = Additions { force, ..found.additions(&read.task).of_record(&record) };
         let decisions = additions.decide(&read.folder, &read.name)?;
         let edited = additions.edit(&read.folder, &read.name)?;

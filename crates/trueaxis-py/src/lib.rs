@@ -37,8 +37,13 @@ create_exception!(
     "A term of a re-probing is out of its bounds: nothing is changed, and a person has to decide; exit code 3 of `trueaxis keep`."
 );
 
-/// Converts an error of the crates: FileNotFoundError for a file that does not exist, else the module's exception.
+/// Converts an error of the crates; see [`raised`].
 fn to_python<T>(result: anyhow::Result<T>) -> PyResult<T> {
+    result.map_err(|error| raised(&error, format!("{error:#}")))
+}
+
+/// The exception for an error, with this text: FileNotFoundError for a file that does not exist, else the module's own.
+fn raised(error: &anyhow::Error, text: String) -> PyErr {
     let missing = |cause: &(dyn std::error::Error + 'static)| {
         let io = match cause.downcast_ref() {
             Some(SimError::Unread { error, .. }) => Some(error),
@@ -48,10 +53,7 @@ fn to_python<T>(result: anyhow::Result<T>) -> PyResult<T> {
         io.is_some_and(|error| error.kind() == io::ErrorKind::NotFound)
             || cause.downcast_ref::<FileError>().is_some_and(of_text)
     };
-    result.map_err(|error| {
-        let text = format!("{error:#}");
-        if error.chain().any(missing) { PyFileNotFoundError::new_err(text) } else { Error::new_err(text) }
-    })
+    if error.chain().any(missing) { PyFileNotFoundError::new_err(text) } else { Error::new_err(text) }
 }
 
 /// Raises a note of the command line as a Python warning.

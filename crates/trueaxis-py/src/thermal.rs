@@ -2,7 +2,7 @@
 
 use crate::machine::Machine;
 use crate::measured::Measured;
-use crate::{Error, documents, warn};
+use crate::{documents, raised, warn};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, settings, written};
@@ -42,7 +42,7 @@ pub(crate) fn thermal_fit<'py>(
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
     // Python calls the command line's option an argument, without dashes.
-    let found = found.map_err(|error| Error::new_err(format!("{error:#}").trim_start_matches("--").to_owned()))?;
+    let found = found.map_err(|error| raised(&error, format!("{error:#}").trim_start_matches("--").to_owned()))?;
     let document = found.document();
     document.missing.iter().try_for_each(|own| warn(py, &own.to_string()))?;
     let document = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
