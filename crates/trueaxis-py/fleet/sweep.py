@@ -26,7 +26,7 @@ def _run(machine: str, program: str, text: str | None, seed: int, case: str, giv
     try:
         part = trueaxis.Program.from_text(text, name=program) if text else trueaxis.Program.load(program)
         made = trueaxis.simulate(trueaxis.Machine.load(machine), part, seed=seed, **given)
-    except (trueaxis.Error, OSError) as refused:
+    except (trueaxis.Error, FileNotFoundError) as refused:
         return [{**of, "kind": None, **dict.fromkeys(FIGURES), "refused": str(refused)}]
     rows = []
     for kind, error in made["contour_error_um"].items():

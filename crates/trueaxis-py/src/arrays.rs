@@ -4,9 +4,8 @@ use crate::Error;
 use numpy::{
     PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
 };
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyString;
 
 /// Largest size of a number, as in the command line's files.
 const MOST: f64 = 1e9;
@@ -14,18 +13,20 @@ const MOST: f64 = 1e9;
 /// Copies an array-like of integers or floats as float64; raises TypeError for any other type, such as complex numbers, text
 /// or objects.
 ///
-/// A copy, as another thread of the caller may change an array while the computation runs without the lock.
+/// It copies, because another thread of the caller may change the array while the computation runs without the lock.
 fn numbers(of: &Bound<'_, PyAny>, name: &str, needed: &str) -> PyResult<(Vec<usize>, Vec<f64>)> {
     let numpy = of.py().import("numpy")?;
     let refused = |found: String| PyTypeError::new_err(format!("{name}: found {found}, needed {needed}"));
-    if of.is_instance_of::<PyString>() || of.is_none() {
-        return Err(refused(format!("{}", of.get_type().name()?)));
-    }
     // Rows of unequal lengths make no array.
-    let ragged = |error: PyErr| Error::new_err(format!("{name}: found {}, needed {needed}", error.value(of.py())));
+    let ragged = |error: PyErr| match error.is_instance_of::<PyValueError>(of.py()) {
+        true => Error::new_err(format!("{name}: found {}, needed {needed}", error.value(of.py()))),
+        false => error,
+    };
     let array = numpy.call_method1("asarray", (of,)).map_err(ragged)?.cast_into::<PyUntypedArray>()?;
     if !matches!(array.dtype().kind(), b'i' | b'u' | b'f') {
-        return Err(refused(format!("dtype {}", array.dtype())));
+        let single = array.ndim() == 0;
+        let found = if single { of.get_type().name()?.to_string() } else { format!("dtype {}", array.dtype()) };
+        return Err(refused(found));
     }
     let array = match array.cast::<PyArrayDyn<f64>>() {
         Ok(array) => array.clone(),
@@ -67,8 +68,8 @@ pub(crate) fn rows(of: &Bound<'_, PyAny>, name: &str, widths: &[usize]) -> PyRes
     }
 }
 
-/// Like [`rows`], by one of `forms`, the names of the columns: a data frame's columns are found by name in any order and
-/// beside others, in the form with the most of them; an array has the columns of a form in its order.
+/// Reads an array with the columns of one of `forms`, in that order, or a data frame that has them under these names, in any
+/// order and with others beside them. The widest form that a data frame has is read.
 pub(crate) fn named(of: &Bound<'_, PyAny>, name: &str, forms: &[&[&str]]) -> PyResult<(usize, Vec<f64>)> {
     let widths: Vec<usize> = forms.iter().map(|form| form.len()).collect();
     if !is_frame(of)? {
@@ -85,7 +86,7 @@ pub(crate) fn named(of: &Bound<'_, PyAny>, name: &str, forms: &[&[&str]]) -> PyR
     rows(&of.py().import("numpy")?.call_method1("column_stack", (picked,))?, name, &[form.len()])
 }
 
-/// Whether this is a data frame: an object with named columns.
+/// Whether an object has named columns, as a data frame has.
 pub(crate) fn is_frame(of: &Bound<'_, PyAny>) -> PyResult<bool> {
     of.hasattr("columns")
 }

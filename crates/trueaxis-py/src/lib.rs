@@ -49,9 +49,8 @@ fn raised(error: &anyhow::Error, text: String) -> PyErr {
             Some(SimError::Unread { error, .. }) => Some(error),
             _ => cause.downcast_ref::<io::Error>(),
         };
-        let of_text = |error: &FileError| error.needed == "a readable file" && !error.file.exists();
         io.is_some_and(|error| error.kind() == io::ErrorKind::NotFound)
-            || cause.downcast_ref::<FileError>().is_some_and(of_text)
+            || cause.downcast_ref().is_some_and(FileError::is_missing)
     };
     if error.chain().any(missing) { PyFileNotFoundError::new_err(text) } else { Error::new_err(text) }
 }

@@ -43,6 +43,16 @@ impl fmt::Display for FileError {
 
 impl std::error::Error for FileError {}
 
+/// Needed instead of a file that cannot be read.
+pub(crate) const READABLE: &str = "a readable file";
+
+impl FileError {
+    /// Whether the file could not be read because it does not exist.
+    pub fn is_missing(&self) -> bool {
+        self.needed == READABLE && !self.file.exists()
+    }
+}
+
 #[test]
 fn a_refusal_is_one_line_of_bounded_length_whatever_the_file_holds() {
     let file = "machine.toml".into();

@@ -1,6 +1,6 @@
 //! Errors and numbers of a text file.
 
-use crate::error::FileError;
+use crate::error::{FileError, READABLE};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
@@ -37,7 +37,7 @@ impl Origin {
 
     /// The error for a file that cannot be read.
     pub(crate) fn unreadable(&self, error: &std::io::Error) -> FileError {
-        self.whole(error.to_string(), "a readable file")
+        self.whole(error.to_string(), READABLE)
     }
 
     /// A finite decimal number.
