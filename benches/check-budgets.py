@@ -42,12 +42,12 @@ def instructions(summary):
 
 def measure(target):
     """Builds the counts for a target and runs them; a count for every part."""
-    environment = dict(os.environ, RUSTFLAGS="", GUNGRAUN_HOME=str(TARGET / "gungraun" / target), CARGO_BUILD_BUILD_DIR=str(TARGET))
+    environment = dict(os.environ, RUSTFLAGS="", GUNGRAUN_HOME=str(TARGET / "gungraun" / target))
     root = TARGET
     if WRAPPER[target]:
         # Only programs: all else is in the folder for building, which the targets share.
         root = TARGET / target
-        environment |= {"CARGO_TARGET_DIR": str(root), "RUSTC_WORKSPACE_WRAPPER": str(WRAPPER[target])}
+        environment |= {"CARGO_TARGET_DIR": str(root), "CARGO_BUILD_BUILD_DIR": str(TARGET), "RUSTC_WORKSPACE_WRAPPER": str(WRAPPER[target])}
     subprocess.run(["cargo", "build", "-q", *COUNTS, "--bin", "counted"], env=environment, cwd=ROOT, check=True)
     command = ["cargo", "bench", "-q", *COUNTS, "--", "--save-summary=json"]
     done = subprocess.run(command, env=environment, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False)
