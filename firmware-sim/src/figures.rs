@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value as Json};
 use std::io;
-use trueaxis_report::columnar::{Column, Form, Kind, Value, Writer};
+use trueaxis_columnar::{Column, Form, Kind, Value, Writer};
 
 /// A value of the document.
 #[derive(Clone)]

@@ -16,7 +16,7 @@ use firmware_sim::trace::Trace;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use trueaxis_report::columnar::{Form, PARQUET};
+use trueaxis_columnar::{Form, PARQUET};
 use trueaxis_sim::Scenario;
 use trueaxis_sim::learning::{self, Instrument, LearnedTable, Recorder};
 use trueaxis_sim::run::{Kind, Run, Sink};

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 use trueaxis::machine::MachineSettings;
-use trueaxis_report::columnar::{Form, Value, Writer};
+use trueaxis_columnar::{Form, Value, Writer};
 use trueaxis_sim::run::{Column, Kind, Moment, Sample, Sink, columns};
 
 /// Writes a row every `every` cycles, in order.
@@ -72,8 +72,8 @@ impl<W: Write + Send> Trace<W> {
 }
 
 /// The columns with the types of a typed table.
-fn typed(columns: &[Column]) -> Vec<trueaxis_report::columnar::Column> {
-    use trueaxis_report::columnar::{Column, Kind};
+fn typed(columns: &[Column]) -> Vec<trueaxis_columnar::Column> {
+    use trueaxis_columnar::{Column, Kind};
     let kind = |decimals: usize| if decimals == 0 { Kind::Whole } else { Kind::Number };
     columns.iter().map(|column| Column::new(&column.name, kind(column.decimals))).collect()
 }

@@ -7,7 +7,7 @@ use firmware_sim::series::Series;
 use firmware_sim::trace::Trace;
 use std::fmt::Write;
 use std::sync::Arc;
-use trueaxis_report::columnar::Form;
+use trueaxis_columnar::Form;
 use trueaxis_sim::path;
 use trueaxis_sim::program::{Curve, Program};
 use trueaxis_sim::run::{Kind, Run, Sink};

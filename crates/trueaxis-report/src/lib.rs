@@ -2,7 +2,6 @@
 #![forbid(unsafe_code)]
 
 pub mod colour;
-pub mod columnar;
 mod deviations;
 mod draw;
 mod error_bars;

@@ -1,5 +1,4 @@
-//! Pages, figures, tables of data.
+//! Pages and figures.
 
-mod columnar;
 mod pages;
 mod thinning;

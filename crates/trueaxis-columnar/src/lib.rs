@@ -1,14 +1,5 @@
-//! Tables with named columns, written row by row as Apache Parquet or as CSV.
-//!
-//! ```
-//! use trueaxis_report::columnar::{Column, Form, Kind, Value, Writer};
-//!
-//! let columns = [Column::new("axis", Kind::Text), Column::new("error_um", Kind::Number)];
-//! let mut table = Writer::new(Vec::new(), Form::Csv, &columns)?;
-//! table.row([Value::Text("X"), Value::Number(0.25)])?;
-//! assert_eq!(table.finish()?, b"axis,error_um\nX,0.25\n");
-//! # Ok::<(), std::io::Error>(())
-//! ```
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
 
 mod comma;
 #[cfg(feature = "parquet")]

@@ -4,7 +4,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::RowAccessor;
 use std::io;
 use std::path::Path;
-use trueaxis_report::columnar::{Column, Form, Kind, Value, Writer};
+use trueaxis_columnar::{Column, Form, Kind, Value, Writer};
 
 fn columns() -> [Column; 3] {
     [Column::new("axis", Kind::Text), Column::new("cycle", Kind::Whole), Column::new("error_um", Kind::Number)]
