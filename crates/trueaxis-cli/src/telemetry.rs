@@ -7,9 +7,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::telemetry::{AxisFrame, ContourFrame, DynamicFrame, Frame, RoundnessFrame};
+use trueaxis_columnar::{Column, Form, Kind, Value, Writer};
 use trueaxis_evaluation::received::notes;
 use trueaxis_recording::Received;
-use trueaxis_columnar::{Column, Form, Kind, Value, Writer};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::{self, counted};
 
