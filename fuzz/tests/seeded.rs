@@ -10,16 +10,13 @@ use trueaxis_fuzz::finding;
 use trueaxis_fuzz::targets::TARGETS;
 use trueaxis_fuzz::{Target, corpus, for_each_target, no_repair};
 
-/// Executions of each target: half a processor minute for all of them.
+/// Executions of each target: one processor minute for all of them.
 const EXECUTIONS: u64 = 5_000;
-/// Those of `c_calls`, each of which runs loops for many cycles.
-const LOOP_EXECUTIONS: u64 = 1_000;
 const SEED: u64 = 20_260_101;
 
 fn attack(target: &Target) {
     let mut campaign = Campaign::new(target, SEED, corpus::inputs(target).unwrap());
-    let executions = if target.name == "c_calls" { LOOP_EXECUTIONS } else { EXECUTIONS };
-    if let Err(found) = campaign.run(Until::Executions(executions), &mut |_, _| ControlFlow::Continue(())) {
+    if let Err(found) = campaign.run(Until::Executions(EXECUTIONS), &mut |_, _| ControlFlow::Continue(())) {
         let file = found.write(&finding::folder(target)).unwrap();
         panic!("{}", found.report(&file));
     }
