@@ -13,6 +13,7 @@ python3 -c 'import ensurepip, venv' 2>/dev/null || "$root/.ci/install" python3-v
 [[ -x $python ]] || python3 -m venv "$venv"
 "$python" -m pip install --quiet --disable-pip-version-check -r requirements.txt
 
+./document_types.py --check
 export CARGO_TARGET_DIR=$target
 "$root/tests/hosts/recording.sh"
 rm -rf "$target/python-wheel"
@@ -25,5 +26,6 @@ cd "$target/python-wheel"
 here="$root/crates/trueaxis-py"
 "$python" -m pytest -q -p no:cacheprovider "$here/tests"
 "$python" -m mypy.stubtest trueaxis --allowlist "$here/stubtest.txt"
+"$python" -m mypy --strict -p trueaxis
 # Shown, and no gate: time is the computer's.
 "$python" "$here/speed.py"

@@ -2,25 +2,52 @@
 
 use crate::machine::{Machine, decided};
 use crate::measured::Measured;
+use crate::shown::result;
 use crate::{Error, documents, to_python, warn};
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use trueaxis_evaluation::ballbar::{Options, Test};
 use trueaxis_evaluation::friction::pair;
 
-/// Evaluates a circular test according to ISO 230-4 and determines the causes of its deviation; returns the document of
-/// `trueaxis ballbar --json`. Writes no file.
+/// Evaluate a circular test according to ISO 230-4 and determines the causes of its deviation.
 ///
-/// - record: a file that the command reads; or an array (n, 3) of a bar, columns angle_deg, deviation_um and direction
-///   (1 counterclockwise, -1 clockwise); or an array (n, 4), command and position in mm of the first axis, then of the second.
-///   Rows of an array count from line 2.
-/// - axes: the axes of the plane.
-/// - pitch_x_mm, …: pitches of periodic errors; the function searches for omitted ones.
-/// - machine: adds `written`, the command's decision on every setting found.
-/// - compensated: the machine's tables corrected it during the record.
-/// - traces: True adds arrays with one number per reading: angle_deg; direction; centred_um, the deviation about the circle's
-///   centre; left_um, the residual of the causes.
+/// Parameters
+/// ----------
+/// record : array-like or data frame or path-like
+///     A file that the command reads; or an array (n, 3) of a bar, columns angle_deg, deviation_um and
+///     direction (1 counterclockwise, -1 clockwise); or an array (n, 4), command and position in mm of the
+///     first axis, then of the second. Rows of an array count from line 2.
+/// radius_mm : float
+///     Nominal radius in mm.
+/// axes : str, default "X,Y"
+///     The axes of the plane.
+/// pitch_x_mm : float, optional
+///     Pitches of periodic errors; the function searches for omitted ones.
+/// pitch_y_mm : float, optional
+///     Pitch of a periodic error of Y in mm; by default, it is searched for.
+/// pitch_z_mm : float, optional
+///     Pitch of a periodic error of Z in mm; by default, it is searched for.
+/// machine : Machine, optional
+///     Adds `written`, the command's decision on every setting found.
+/// compensated : bool, default False
+///     The machine's tables corrected it during the record.
+/// traces : bool, default False
+///     True adds arrays with one number per reading: angle_deg; direction; centred_um, the deviation about the
+///     circle's centre; left_um, the residual of the causes.
+///
+/// Returns
+/// -------
+/// Ballbar
+///     The document of `trueaxis ballbar --json`.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
+///
+/// Notes
+/// -----
+/// Writes no file.
 #[pyfunction]
 #[pyo3(signature = (record, *, radius_mm, axes = "X,Y", pitch_x_mm = None, pitch_y_mm = None, pitch_z_mm = None,
     machine = None, compensated = false, traces = false))]
@@ -35,7 +62,7 @@ pub(crate) fn ballbar<'py>(
     machine: Option<Bound<'py, Machine>>,
     compensated: bool,
     traces: bool,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'py, PyAny>> {
     let axes = pair(axes).map_err(|error| Error::new_err(format!("axes: {error}")))?;
     let [a, b] = axes.map(|axis| axis.letter().to_ascii_lowercase());
     let positions = [format!("{a}_cmd_mm"), format!("{a}_mm"), format!("{b}_cmd_mm"), format!("{b}_mm")];
@@ -54,7 +81,7 @@ pub(crate) fn ballbar<'py>(
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
     let (test, document, written) = to_python(found)?;
-    let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    let found = documents::dictionary(py, &document)?;
     documents::with_decisions(&found, written.as_deref())?;
     if traces {
         let angles = test.readings.iter().map(|reading| reading.angle_rad.to_degrees());
@@ -66,5 +93,5 @@ pub(crate) fn ballbar<'py>(
             found.set_item(name, PyArray1::<f64>::from_iter(py, values))?;
         }
     }
-    Ok(found)
+    result("Ballbar", found, Some(document.shown(&test)))
 }

@@ -1,5 +1,6 @@
 //! Calibration with a touch probe: computes a program from a task, and the machine's errors from the program's log.
 
+use crate::shown::result;
 use crate::{documents, to_python, warn};
 use anyhow::{Context, Result};
 use pyo3::prelude::*;
@@ -25,18 +26,29 @@ fn read(path: &Path, notes: &mut Vec<String>) -> Result<Read> {
     Ok(Read { task, folder, name, machine })
 }
 
-/// Plans the probing program of a task and the standard error expected of every term; returns the document of
-/// `trueaxis calibrate plan --json`, with the program's text under `program_text`.
+/// Plan the probing program of a task and the standard error expected of every term.
 ///
-/// - task: a task.toml (docs/calibration.md), which states the machine's folder relative to its own.
+/// Parameters
+/// ----------
+/// task : path-like
+///     A task.toml (docs/calibration.md), which states the machine's folder relative to its own.
 ///
-/// Standard errors are σ √((JᵀJ)⁻¹)_kk, with the stated repeatability σ of a touch and the Jacobian J at the planned touches.
-/// The document states their units.
+/// Returns
+/// -------
+/// CalibrationPlan
+///     The document of `trueaxis calibrate plan --json`, with the program's text under `program_text`.
 ///
-/// Raises trueaxis.Error with file and line if a place is outside the machine's travel or the set-up cannot separate its
-/// terms.
+/// Raises
+/// ------
+/// trueaxis.Error
+///     With file and line if a place is outside the machine's travel or the set-up cannot separate its terms.
+///
+/// Notes
+/// -----
+/// Standard errors are σ √((JᵀJ)⁻¹)_kk, with the stated repeatability σ of a touch and the Jacobian J at the
+/// planned touches. The document states their units.
 #[pyfunction]
-pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyDict>> {
+pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyAny>> {
     let mut notes = Vec::new();
     let planned = py.detach(|| {
         let read = read(&task, &mut notes)?;
@@ -44,25 +56,44 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
     let planned = to_python(planned)?;
-    let document = documents::dictionary(py, &planned.foreseen)?.cast_into::<PyDict>()?;
+    let document = documents::dictionary(py, &planned.foreseen)?;
     document.set_item("program_text", planned.program)?;
-    Ok(document)
+    result("CalibrationPlan", document, None)
 }
 
-/// Computes a machine's errors from the log of a probing program; returns the document of `trueaxis calibrate solve --json`.
-/// `written` lists the decision on every value: key, old, found, written (None if the stated value stays), and why. Writes no
-/// file.
+/// Compute a machine's errors from the log of a probing program.
 ///
-/// - task: the task from which the program was planned.
-/// - log: the control's log, or a CSV file with columns id, x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], tripped.
-/// - files: True adds the machine's changed files under `files`, a dict of texts by name.
-/// - force: takes every value found instead of the rule's decision, like `--force`.
+/// Parameters
+/// ----------
+/// task : path-like
+///     The task from which the program was planned.
+/// log : path-like
+///     The control's log, or a CSV file with columns id, x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], tripped.
+/// files : bool, default False
+///     True adds the machine's changed files under `files`, a dict of texts by name.
+/// force : bool, default False
+///     Takes every value found instead of the rule's decision, like `--force`.
 ///
-/// One least-squares fit solves for touches, places, sizes, tip and drift together. Errors are actual − ideal, of the tool
-/// relative to the workpiece, with units in their names (µrad, µm, ppm); standard errors have the same names.
+/// Returns
+/// -------
+/// Calibration
+///     The document of `trueaxis calibrate solve --json`.
 ///
-/// Raises trueaxis.Error with file and line: a log of another task, touches that are missing, repeated or off their artefact,
-/// an artefact whose size is out of range, a drift larger than the measured errors, terms that cannot be separated.
+/// Raises
+/// ------
+/// trueaxis.Error
+///     With file and line: a log of another task, touches that are missing, repeated or off their artefact, an
+///     artefact whose size is out of range, a drift larger than the measured errors, terms that cannot be
+///     separated.
+///
+/// Notes
+/// -----
+/// `written` lists the decision on every value: key, old, found, written (None if the stated value stays), and why.
+/// Writes no file.
+///
+/// One least-squares fit solves for touches, places, sizes, tip and drift together. Errors are actual − ideal, of
+/// the tool relative to the workpiece, with units in their names (µrad, µm, ppm); standard errors have the same
+/// names.
 #[pyfunction]
 #[pyo3(signature = (task, log, *, files = false, force = false))]
 pub(crate) fn calibrate_solve(
@@ -71,7 +102,7 @@ pub(crate) fn calibrate_solve(
     log: PathBuf,
     files: bool,
     force: bool,
-) -> PyResult<Bound<'_, PyDict>> {
+) -> PyResult<Bound<'_, PyAny>> {
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let read = read(&task, &mut notes)?;
@@ -81,11 +112,13 @@ pub(crate) fn calibrate_solve(
         let additions = Additions { force, ..found.additions(&read.task).of_record(&record) };
         let decisions = additions.decide(&read.folder, &read.name)?;
         let edited = additions.edit(&read.folder, &read.name)?;
-        Ok((found.document(&read.task, &read.machine), decisions, edited.files))
+        let document = found.document(&read.task, &read.machine);
+        let shown = document.shown(&found);
+        Ok((document, shown, decisions, edited.files))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, decisions, edited) = to_python(found)?;
-    let document = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    let (document, shown, decisions, edited) = to_python(found)?;
+    let document = documents::dictionary(py, &document)?;
     documents::with_decisions(&document, Some(&decisions))?;
     if files {
         let texts = PyDict::new(py);
@@ -94,5 +127,5 @@ pub(crate) fn calibrate_solve(
         }
         document.set_item("files", texts)?;
     }
-    Ok(document)
+    result("Calibration", document, Some(shown))
 }

@@ -1,5 +1,6 @@
 //! Converts the command line's JSON documents to dictionaries.
 
+use crate::shown::result;
 use crate::{arrays, to_python};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -11,38 +12,94 @@ use trueaxis_evaluation::{circle as circles, probe_angles as angles, roundness a
 use trueaxis_metrology::separation::NOISE_GAIN_LIMIT;
 use trueaxis_tables::finding::Decision;
 
-pub(crate) fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
+/// Converts a document that is not a table of keys, such as a list.
+pub(crate) fn value<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = to_python(trueaxis_evaluation::json::compact(document).map_err(Into::into))?;
     py.import("json")?.call_method1("loads", (text,))
+}
+
+/// Converts a document to a dictionary.
+pub(crate) fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyDict>> {
+    Ok(value(py, document)?.cast_into()?)
 }
 
 /// Adds the decisions about a machine under `written`, as the commands do; adds nothing without a machine.
 pub(crate) fn with_decisions(document: &Bound<'_, PyDict>, written: Option<&[Decision]>) -> PyResult<()> {
     let Some(written) = written else { return Ok(()) };
-    document.set_item("written", dictionary(document.py(), &written)?)
+    document.set_item("written", value(document.py(), &written)?)
 }
 
-/// Fits the reference circles of ISO 12181-1 to points of a section; returns the document of `trueaxis circle --json`.
+/// Fit the reference circles of ISO 12181-1 to points of a section.
 ///
-/// - points: (n, 2), mm, or a data frame with the columns x_mm, y_mm.
+/// Parameters
+/// ----------
+/// points : array-like or data frame
+///     (n, 2), mm, or a data frame with the columns x_mm, y_mm.
+///
+/// Returns
+/// -------
+/// Circle
+///     The document of `trueaxis circle --json`.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
+///
+/// Examples
+/// --------
+/// >>> found = trueaxis.circle([[1, 0], [0, 1], [-1, 0], [0, -1.002]])
+/// >>> round(found.mcc.radius_mm, 6), round(found.mzc.zone_um, 6)
+/// (1.001, 0.9995)
 #[pyfunction]
 pub(crate) fn circle<'py>(py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let (_, values) = arrays::named(points, "points", &[&["x_mm", "y_mm"]])?;
-    let document = to_python(py.detach(|| {
+    let found = to_python(py.detach(|| {
         let points = values.as_chunks::<2>().0.to_vec();
         let lines = (0..points.len() as u32).collect();
-        Ok(circles::Evaluation::of(points, lines, Path::new("points"))?.document())
+        circles::Evaluation::of(points, lines, Path::new("points"))
     }))?;
-    dictionary(py, &document)
+    result("Circle", dictionary(py, &found.document())?, Some(found.shown()))
 }
 
-/// Separates roundness and spindle error by three probes; returns the document of `trueaxis roundness --json`, with the arrays
-/// profile_um, rx_um and ry_um (revolutions, n).
+/// Separate roundness and spindle error by three probes.
 ///
-/// - readings: (revolutions × n, 3), µm, equidistant in θ; with theta_deg, any number of rows.
-/// - theta_deg: increasing angles of the rows. The function resamples the readings; `resampling` states the interpolation
-///   error.
-/// - p, q or phi2_deg, phi3_deg: the angles between the probes, in slots or in degrees.
+/// Parameters
+/// ----------
+/// readings : array-like
+///     (revolutions × n, 3), µm, equidistant in θ; with theta_deg, any number of rows.
+/// n : int
+///     Points per revolution.
+/// harmonics : tuple[int, int], optional
+///     Lowest and highest harmonic of the profile; by default, 2 to 100, or to n/2 − 1.
+/// p : int, optional
+///     The angles between the probes, in slots or in degrees.
+/// q : int, optional
+///     Angle from probe 2 to probe 3 in slots of 360°/n.
+/// phi2_deg : float, optional
+///     Angle from probe 1 to probe 2 in degrees, instead of slots.
+/// phi3_deg : float, optional
+///     The angles between the probes, in slots or in degrees.
+/// arm : tuple[float, float, float], optional
+///     Crank throw, wheel radius and pin radius in mm of an arm that follows the pin; by default, the arm is fixed.
+/// upr : int, optional
+///     Cut-off of the Gaussian filter in undulations per revolution: 15, 50, 150 or 500; by default, no filter.
+/// noise_gain_limit : float, optional
+///     Noise gain above which a harmonic is suppressed and marked.
+/// theta_deg : array-like, optional
+///     Increasing angles of the rows. The function resamples the readings; `resampling` states the
+///     interpolation error.
+///
+/// Returns
+/// -------
+/// Roundness
+///     The document of `trueaxis roundness --json`, with the arrays profile_um, rx_um and ry_um (revolutions,
+///     n).
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
 #[pyfunction]
 #[pyo3(signature = (readings, *, n, harmonics = None, p = None, q = None, phi2_deg = None, phi3_deg = None, arm = None,
     upr = None, noise_gain_limit = NOISE_GAIN_LIMIT, theta_deg = None))]
@@ -59,13 +116,13 @@ pub(crate) fn roundness<'py>(
     upr: Option<u16>,
     noise_gain_limit: f64,
     theta_deg: Option<&Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'py, PyAny>> {
     let (_, values) = arrays::rows(readings, "readings", &[3])?;
     let rows = values.len() / 3;
     let theta_deg = theta_deg.map(|given| arrays::column(given, "theta_deg", rows, "readings")).transpose()?;
     let probes = Probes { n, harmonics, p, q, phi2_deg, phi3_deg };
     let request = separation::Request { probes, arm, upr, noise_gain_limit };
-    let (document, separations) = to_python(py.detach(|| {
+    let (evaluation, shown, separations) = to_python(py.detach(|| {
         let plan = request.plan()?;
         let probes = [0, 1, 2].map(|probe| values.iter().skip(probe).step_by(3).copied().collect::<Vec<f64>>());
         let readings = match &theta_deg {
@@ -77,9 +134,11 @@ pub(crate) fn roundness<'py>(
             }
         };
         let separations = plan.separate(&readings, || {})?;
-        Ok((plan.evaluate(&separations, &readings)?.document, separations))
+        let evaluation = plan.evaluate(&separations, &readings)?;
+        let shown = plan.shown(&evaluation);
+        Ok((evaluation, shown, separations))
     }))?;
-    let found = dictionary(py, &document)?.cast_into::<PyDict>()?;
+    let found = dictionary(py, &evaluation.document)?;
     let array = |of: fn(&trueaxis_metrology::separation::Separation) -> &Vec<f64>| {
         let all: Vec<f64> = separations.iter().flat_map(|parts| of(parts).iter().copied()).collect();
         PyArray1::from_vec(py, all).reshape([separations.len(), n])
@@ -87,11 +146,44 @@ pub(crate) fn roundness<'py>(
     found.set_item("profile_um", array(|parts| &parts.profile)?)?;
     found.set_item("rx_um", array(|parts| &parts.x)?)?;
     found.set_item("ry_um", array(|parts| &parts.y)?)?;
-    Ok(found)
+    result("Roundness", found, Some(shown))
 }
 
-/// Finds the best angles of three probes; returns the document of `trueaxis probe-angles --json`, with the `count` best pairs
-/// of slots and, if the caller states angles, the figures of that pair.
+/// Find the best angles of three probes.
+///
+/// Parameters
+/// ----------
+/// n : int
+///     Points per revolution.
+/// harmonics : tuple[int, int], optional
+///     Lowest and highest harmonic of the profile; by default, 2 to 100, or to n/2 − 1.
+/// p : int, optional
+///     Angle from probe 1 to probe 2 in slots of 360°/n.
+/// q : int, optional
+///     Angle from probe 2 to probe 3 in slots of 360°/n.
+/// phi2_deg : float, optional
+///     Angle from probe 1 to probe 2 in degrees, instead of slots.
+/// phi3_deg : float, optional
+///     Angle from probe 2 to probe 3 in degrees, instead of slots.
+/// count : int, optional
+///     Number of pairs listed, the best first.
+///
+/// Returns
+/// -------
+/// ProbeAngles
+///     The document of `trueaxis probe-angles --json`, with the `count` best pairs of slots and, if the caller
+///     states angles, the figures of that pair.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
+///
+/// Examples
+/// --------
+/// >>> best = trueaxis.probe_angles(n=64).best[0]
+/// >>> best.p, best.q
+/// (5, 7)
 #[pyfunction]
 #[pyo3(signature = (*, n, harmonics = None, p = None, q = None, phi2_deg = None, phi3_deg = None,
     count = angles::USUAL_COUNT))]
@@ -107,5 +199,5 @@ pub(crate) fn probe_angles<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let request = angles::Request { probes: Probes { n, harmonics, p, q, phi2_deg, phi3_deg }, count };
     let document = to_python(py.detach(|| request.search()?.run(|| {})))?;
-    dictionary(py, &document)
+    result("ProbeAngles", dictionary(py, &document)?, None)
 }

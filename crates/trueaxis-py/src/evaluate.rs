@@ -2,46 +2,55 @@
 
 use crate::machine::{self, Machine};
 use crate::measured::Measured;
+use crate::shown::result;
 use crate::{Error, documents, to_python, warn};
 use anyhow::Result;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use serde::Serialize;
+use std::path::PathBuf;
+use trueaxis::machine::Axis;
 use trueaxis_evaluation::rows::{Column, Rows};
-use trueaxis_evaluation::{diagonal, points as coordinates, probing, r_test, thermal_test};
+use trueaxis_evaluation::shown::Shown;
+use trueaxis_evaluation::{accuracy as positioning, diagonal, points as coordinates, probing, r_test, thermal_test};
 use trueaxis_tables::Additions;
+use trueaxis_tables::text::read_text;
 
 /// Reads and evaluates a record without the interpreter's lock; returns the document.
 fn evaluated<'py, const C: usize, D: Serialize + Send>(
     py: Python<'py>,
+    kind: &str,
     record: &Bound<'py, PyAny>,
     columns: &[Column; C],
-    evaluate: impl FnOnce(&mut Rows<'_, C>, &str) -> Result<D> + Send,
-) -> PyResult<Bound<'py, PyDict>> {
-    decided(py, record, columns, None, |rows, name| Ok((evaluate(rows, name)?, Additions::default())))
+    evaluate: impl FnOnce(&mut Rows<'_, C>, &str) -> Result<(D, Shown)> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    decided(py, kind, record, columns, None, |rows, name| {
+        let (document, shown) = evaluate(rows, name)?;
+        Ok((document, shown, Additions::default()))
+    })
 }
 
 /// Like [`evaluated`], with the decision on every finding for a machine.
 fn decided<'py, const C: usize, D: Serialize + Send>(
     py: Python<'py>,
+    kind: &str,
     record: &Bound<'py, PyAny>,
     columns: &[Column; C],
     machine: Option<&Machine>,
-    evaluate: impl FnOnce(&mut Rows<'_, C>, &str) -> Result<(D, Additions)> + Send,
-) -> PyResult<Bound<'py, PyDict>> {
+    evaluate: impl FnOnce(&mut Rows<'_, C>, &str) -> Result<(D, Shown, Additions)> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
     let measured = Measured::of_columns(record, "record", columns)?;
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let name = measured.name().display().to_string();
-        let (document, additions) = evaluate(&mut measured.rows(columns, &mut notes)?, &name)?;
+        let (document, shown, additions) = evaluate(&mut measured.rows(columns, &mut notes)?, &name)?;
         let written = machine::decided(machine, &measured, || Ok(additions), &mut notes);
-        Ok((document, written))
+        Ok((document, shown, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, written) = to_python(found)?;
-    let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    let (document, shown, written) = to_python(found)?;
+    let found = documents::dictionary(py, &document)?;
     documents::with_decisions(&found, written.as_deref())?;
-    Ok(found)
+    result(kind, found, Some(shown))
 }
 
 /// Reports an option that is out of its range by the name of the argument.
@@ -49,10 +58,111 @@ fn asked<T, E: std::fmt::Display>(checked: Result<T, E>) -> PyResult<T> {
     checked.map_err(|wrong| Error::new_err(wrong.to_string()))
 }
 
-/// Evaluates probing tests according to ISO 230-10; returns the document of `trueaxis evaluate probing --json`.
+/// Evaluate the positions of an axis according to ISO 230-2.
 ///
-/// - record: a file, or a dict of arrays x_mm, y_mm[, z_mm][, run][, spindle_deg].
-/// - feature: "ring", "sphere" or "point".
+/// Parameters
+/// ----------
+/// record : path-like
+///     A file of deviations: runs by positions, or rows with position, run and direction.
+/// axis : {"X", "Y", "Z", "A", "B", "C"}, optional
+///     The axis measured, if the file does not state it.
+/// machine : Machine, optional
+///     Adds `compensated`, the figures that its tables would leave.
+/// instrument : Machine, optional
+///     A machine whose files state the uncertainty of the instrument: adds `uncertainty`, the bands of the
+///     measured figures.
+/// tolerance_um : float, optional
+///     Adds `verdict`, uncertainty included (ISO 14253-1).
+/// confidence : float, default 95.0
+///     Of the bands, 50 to 99.99 %.
+///
+/// Returns
+/// -------
+/// Accuracy
+///     The document of `trueaxis tables accuracy --json`.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
+///
+/// Examples
+/// --------
+/// >>> mill = trueaxis.Machine.load("compensation-tables/mill-3axis")
+/// >>> found = trueaxis.accuracy("compensation-tables/mill-3axis/x-iso230-2.csv", instrument=mill, tolerance_um=40)
+/// >>> print(found.figures["A, bidirectional accuracy"])
+/// 33.856 ± 4.1 µm
+/// >>> found.verdict.verdict
+/// 'pass'
+#[pyfunction]
+#[pyo3(signature = (record, *, axis = None, machine = None, instrument = None, tolerance_um = None, confidence = 95.0))]
+pub(crate) fn accuracy<'py>(
+    py: Python<'py>,
+    record: PathBuf,
+    axis: Option<char>,
+    machine: Option<Bound<'py, Machine>>,
+    instrument: Option<Bound<'py, Machine>>,
+    tolerance_um: Option<f64>,
+    confidence: f64,
+) -> PyResult<Bound<'py, PyAny>> {
+    let axis = axis.map(|letter| {
+        let known = Axis::ALL.into_iter().find(|axis| axis.letter() == letter);
+        known.ok_or_else(|| Error::new_err(format!("axis: found {letter:?}, needed X, Y, Z, A, B or C")))
+    });
+    let axis = axis.transpose()?;
+    if !(50.0..=99.99).contains(&confidence) {
+        return Err(Error::new_err(format!("confidence: found {confidence}, needed 50 to 99.99 %")));
+    }
+    if let Some(found) = tolerance_um.filter(|tolerance| !(0.0..=1e6).contains(tolerance)) {
+        return Err(Error::new_err(format!("tolerance_um: found {found}, needed 0 to 1e6 um")));
+    }
+    let instrument = match instrument.as_ref().map(Bound::get) {
+        None if tolerance_um.is_some() => {
+            return Err(Error::new_err("instrument: found none, needed the machine that states its uncertainty"));
+        }
+        None => None,
+        Some(Machine { machine, stated: Some(stated), .. }) => Some((machine, stated)),
+        Some(_) => return Err(Error::new_err("instrument: found a compiled file, needed a machine.toml")),
+    };
+    let machine = machine.as_ref().map(Bound::get);
+    let mut notes = Vec::new();
+    let found = py.detach(|| {
+        let text = read_text(&record, &['#', ';'])?;
+        let measurement = positioning::read(&text, &record, axis, &mut |note| notes.push(note))?;
+        let given = machine.map(|machine| (&machine.machine, machine.path.as_path()));
+        let mut document = positioning::evaluate(&measurement, &record, given)?;
+        if let Some((machine, stated)) = instrument {
+            let bands = positioning::bands(&measurement, machine, stated, confidence / 100.0)?;
+            document.verdict = tolerance_um.and_then(|tolerance| positioning::judge(&bands, tolerance));
+            document.uncertainty = Some(bands);
+        }
+        Ok(document)
+    });
+    notes.iter().try_for_each(|note| warn(py, note))?;
+    let document = to_python(found)?;
+    result("Accuracy", documents::dictionary(py, &document)?, Some(document.shown()))
+}
+
+/// Evaluate probing tests according to ISO 230-10.
+///
+/// Parameters
+/// ----------
+/// record : dict of array-likes or data frame or path-like
+///     A file, or a dict of arrays x_mm, y_mm[, z_mm][, run][, spindle_deg].
+/// feature : {"ring", "sphere", "point"}
+///     "ring", "sphere" or "point".
+/// diameter_mm : float, optional
+///     Calibrated diameter of the ring or sphere, mm.
+///
+/// Returns
+/// -------
+/// Probing
+///     The document of `trueaxis evaluate probing --json`.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
 #[pyfunction]
 #[pyo3(signature = (record, *, feature, diameter_mm = None))]
 pub(crate) fn evaluate_probing<'py>(
@@ -60,7 +170,7 @@ pub(crate) fn evaluate_probing<'py>(
     record: &Bound<'py, PyAny>,
     feature: &str,
     diameter_mm: Option<f64>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'py, PyAny>> {
     let feature = match feature {
         "ring" => probing::Feature::Ring,
         "sphere" => probing::Feature::Sphere,
@@ -71,15 +181,36 @@ pub(crate) fn evaluate_probing<'py>(
         }
     };
     asked(probing::check(diameter_mm))?;
-    evaluated(py, record, &probing::COLUMNS, |rows, _| {
-        Ok(probing::ProbingDocument::new(&probing::Record::read(rows, feature, diameter_mm)?))
+    evaluated(py, "Probing", record, &probing::COLUMNS, |rows, _| {
+        let record = probing::Record::read(rows, feature, diameter_mm)?;
+        let document = probing::ProbingDocument::new(&record);
+        let shown = document.shown(&record);
+        Ok((document, shown))
     })
 }
 
-/// Evaluates thermal tests according to ISO 230-3; returns the document of `trueaxis evaluate thermal --json`.
+/// Evaluate thermal tests according to ISO 230-3.
 ///
-/// - record: a file, or a dict of arrays t_s[, position][, x1_um …][, ambient_c …].
-/// - test: "etve", "spindle" or "axis".
+/// Parameters
+/// ----------
+/// record : dict of array-likes or data frame or path-like
+///     A file, or a dict of arrays t_s[, position][, x1_um …][, ambient_c …].
+/// test : {"etve", "spindle", "axis"}, default "spindle"
+///     "etve", "spindle" or "axis".
+/// period_min : float, default 60.0
+///     Length of a period, min.
+/// distance_mm : float, optional
+///     Distance of the probes at both heights, mm.
+///
+/// Returns
+/// -------
+/// ThermalTest
+///     The document of `trueaxis evaluate thermal --json`.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
 #[pyfunction]
 #[pyo3(signature = (record, *, test = "spindle", period_min = 60.0, distance_mm = None))]
 pub(crate) fn evaluate_thermal<'py>(
@@ -88,7 +219,7 @@ pub(crate) fn evaluate_thermal<'py>(
     test: &str,
     period_min: f64,
     distance_mm: Option<f64>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'py, PyAny>> {
     let name = match test {
         "etve" => "etve",
         "spindle" => "spindle",
@@ -99,16 +230,38 @@ pub(crate) fn evaluate_thermal<'py>(
         }
     };
     asked(thermal_test::check(period_min, distance_mm))?;
-    evaluated(py, record, &thermal_test::COLUMNS, |rows, _| {
-        Ok(thermal_test::ThermalTestDocument::new(&thermal_test::read(rows)?, name, period_min, distance_mm))
+    evaluated(py, "ThermalTest", record, &thermal_test::COLUMNS, |rows, _| {
+        let test = thermal_test::read(rows)?;
+        let document = thermal_test::ThermalTestDocument::new(&test, name, period_min, distance_mm);
+        let shown = document.shown(&test);
+        Ok((document, shown))
     })
 }
 
-/// Evaluates diagonal and step-diagonal tests according to ISO 230-6; returns the document of
-/// `trueaxis evaluate step-diagonal --json`. Writes no file.
+/// Evaluate diagonal and step-diagonal tests according to ISO 230-6.
 ///
-/// - record: a file, or a dict of arrays diagonal, direction, x_mm, y_mm, z_mm, deviation_um[, run].
-/// - machine: adds `written`, the command's decision on every setting found.
+/// Parameters
+/// ----------
+/// record : dict of array-likes or data frame or path-like
+///     A file, or a dict of arrays diagonal, direction, x_mm, y_mm, z_mm, deviation_um[, run].
+/// alignment_urad : float, optional
+///     Standard uncertainty of the alignment of the mirror and the beam to a diagonal, µrad.
+/// machine : Machine, optional
+///     Adds `written`, the command's decision on every setting found.
+///
+/// Returns
+/// -------
+/// StepDiagonal
+///     The document of `trueaxis evaluate step-diagonal --json`.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
+///
+/// Notes
+/// -----
+/// Writes no file.
 #[pyfunction]
 #[pyo3(signature = (record, *, alignment_urad = None, machine = None))]
 pub(crate) fn evaluate_step_diagonal<'py>(
@@ -116,21 +269,44 @@ pub(crate) fn evaluate_step_diagonal<'py>(
     record: &Bound<'py, PyAny>,
     alignment_urad: Option<f64>,
     machine: Option<Bound<'py, Machine>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'py, PyAny>> {
     asked(diagonal::check(alignment_urad))?;
-    decided(py, record, &diagonal::COLUMNS, machine.as_ref().map(Bound::get), |rows, _| {
+    decided(py, "StepDiagonal", record, &diagonal::COLUMNS, machine.as_ref().map(Bound::get), |rows, _| {
         let test = diagonal::read(rows)?;
-        Ok((diagonal::DiagonalDocument::new(&test, alignment_urad), diagonal::additions(&test)))
+        let document = diagonal::DiagonalDocument::new(&test, alignment_urad);
+        let shown = document.shown(&test);
+        Ok((document, shown, diagonal::additions(&test)))
     })
 }
 
-/// Evaluates an R-test according to ISO 10791-6, which determines location errors of the rotary axes; returns the document of
-/// `trueaxis evaluate r-test --json`. `written` lists the decision on every location error found, except for a compiled
-/// machine. Writes no file.
+/// Evaluate an R-test according to ISO 10791-6, which determines location errors of the rotary axes.
 ///
-/// - record: a file, or a dict of arrays x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], dx_um, dy_um, dz_um[, ball].
-/// - tool_mm: the nest's centre; by default, the machine's tool.
-/// - without: location errors that keep the machine's values, such as "EX0C".
+/// Parameters
+/// ----------
+/// record : dict of array-likes or data frame or path-like
+///     A file, or a dict of arrays x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], dx_um, dy_um, dz_um[, ball].
+/// machine : Machine
+///     The machine that was measured.
+/// tool_mm : sequence of float, optional
+///     The nest's centre; by default, the machine's tool.
+/// without : sequence of str, optional
+///     Location errors that keep the machine's values, such as "EX0C".
+/// free_sensor : bool, default False
+///     Whether the zero of the nest is fitted too.
+///
+/// Returns
+/// -------
+/// RTest
+///     The document of `trueaxis evaluate r-test --json`.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
+///
+/// Notes
+/// -----
+/// `written` lists the decision on every location error found, except for a compiled machine. Writes no file.
 #[pyfunction]
 #[pyo3(signature = (record, *, machine, tool_mm = None, without = Vec::new(), free_sensor = false))]
 pub(crate) fn evaluate_r_test<'py>(
@@ -140,27 +316,46 @@ pub(crate) fn evaluate_r_test<'py>(
     tool_mm: Option<[f64; 3]>,
     without: Vec<String>,
     free_sensor: bool,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'py, PyAny>> {
     if let Some(value) = tool_mm.iter().flatten().find(|value| value.is_nan() || value.abs() > 1e6) {
         return Err(Error::new_err(format!("tool_mm: found {value}, needed a finite number of at most 1e6 mm")));
     }
     let own = machine.get();
-    let mut machine = own.0.clone();
+    let mut machine = own.machine.clone();
     machine.settings.tool_mm = tool_mm.unwrap_or(machine.settings.tool_mm);
     let options = r_test::Options { without, free_sensor };
-    decided(py, record, &r_test::COLUMNS, Some(own), move |rows, name| {
+    decided(py, "RTest", record, &r_test::COLUMNS, Some(own), move |rows, name| {
         let record = r_test::Record::read(rows)?;
         let found = r_test::identify(&record, name, &machine, &options)?;
-        Ok((r_test::RTestDocument::new(&record, &found, &machine), found.additions()))
+        let document = r_test::RTestDocument::new(&record, &found, &machine);
+        let shown = document.shown(&record, &found);
+        Ok((document, shown, found.additions()))
     })
 }
 
-/// Determines the 21 errors of X, Y, Z from measured coordinates; returns the document of `trueaxis evaluate points --json`.
+/// Determine the 21 errors of X, Y, Z from measured coordinates.
 ///
-/// - record: a file, or a dict of arrays x_mm, y_mm, z_mm, actual_x_mm, actual_y_mm, actual_z_mm[, u_um][, tool_x_mm …].
-/// - machine: states chain, offsets and tool.
-/// - nodes: numbers of nodes in the tables of X, Y, Z.
-/// - without: angular errors that stay zero.
+/// Parameters
+/// ----------
+/// record : dict of array-likes or data frame or path-like
+///     A file, or a dict of arrays x_mm, y_mm, z_mm, actual_x_mm, actual_y_mm, actual_z_mm[, u_um][, tool_x_mm
+///     …].
+/// machine : Machine
+///     States chain, offsets and tool.
+/// nodes : sequence of int, optional
+///     Numbers of nodes in the tables of X, Y, Z.
+/// without : sequence of str, optional
+///     Angular errors that stay zero.
+///
+/// Returns
+/// -------
+/// MeasuredPoints
+///     The document of `trueaxis evaluate points --json`.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
 #[pyfunction]
 #[pyo3(signature = (record, *, machine, nodes = None, without = Vec::new()))]
 pub(crate) fn evaluate_points<'py>(
@@ -169,15 +364,17 @@ pub(crate) fn evaluate_points<'py>(
     machine: &Bound<'py, Machine>,
     nodes: Option<Vec<usize>>,
     without: Vec<String>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'py, PyAny>> {
     let nodes = nodes.as_deref().map(coordinates::nodes).transpose();
     let nodes = asked(nodes.map_err(|wrong| format!("nodes: {wrong}")))?;
-    let machine = &machine.get().0;
+    let machine = &machine.get().machine;
     let options = coordinates::Options { nodes, without };
-    evaluated(py, record, &coordinates::COLUMNS, |rows, name| {
+    evaluated(py, "MeasuredPoints", record, &coordinates::COLUMNS, |rows, name| {
         let points = coordinates::Points::read(rows)?;
         let found =
             coordinates::identify(&points, machine, &options).map_err(|error| error.context(name.to_owned()))?;
-        Ok(coordinates::PointsDocument::new(&points, &found))
+        let document = coordinates::PointsDocument::new(&points, &found);
+        let shown = document.shown(&points, &found);
+        Ok((document, shown))
     })
 }

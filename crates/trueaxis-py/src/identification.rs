@@ -2,27 +2,49 @@
 
 use crate::machine::{Machine, decided};
 use crate::measured::Measured;
+use crate::shown::result;
 use crate::{Error, documents, to_python, warn};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use trueaxis::Axis;
+use trueaxis_evaluation::shown::Shown;
 use trueaxis_evaluation::{friction as circles, identify as ball};
 use trueaxis_metrology::identification::Offsets;
 use trueaxis_tables::Additions;
 use trueaxis_tables::formats::write_axis_csv;
 
-/// Identifies the six errors of a rotary axis from readings of a ball that RTCP holds in place; returns the document of
-/// `trueaxis identify --json`. Writes no file.
+/// Identify the six errors of a rotary axis from readings of a ball that RTCP holds in place.
 ///
-/// - readings: a file, or an array (n, 6), columns angle_deg, l_mm, h_mm, dx_um, dy_um, dz_um. Rows of an array count from
-///   line 2.
-/// - axis: "A", "B" or "C".
-/// - machine: states the sense of the axis; the function removes the errors of its linear axes. Unless it is a compiled file,
-///   adds `written`, the decision on every error for the machine's current files: key, old, found, written (None if the stated
-///   value stays), and why.
-/// - start_mm: X, Y, Z in the first set-up at the first angle.
-/// - free_offsets: the operator zeroed the gauges in every set-up.
-/// - table: True adds the axis' table as CSV text under `table`.
+/// Parameters
+/// ----------
+/// readings : array-like or data frame or path-like
+///     A file, or an array (n, 6), columns angle_deg, l_mm, h_mm, dx_um, dy_um, dz_um. Rows of an array count
+///     from line 2.
+/// axis : {"A", "B", "C"}
+///     "A", "B" or "C".
+/// machine : Machine, optional
+///     States the sense of the axis; the function removes the errors of its linear axes. Unless it is a
+///     compiled file, adds `written`, the decision on every error for the machine's current files: key, old,
+///     found, written (None if the stated value stays), and why.
+/// start_mm : sequence of float, optional
+///     X, Y, Z in the first set-up at the first angle.
+/// free_offsets : bool, default False
+///     The operator zeroed the gauges in every set-up.
+/// table : bool, default False
+///     True adds the axis' table as CSV text under `table`.
+///
+/// Returns
+/// -------
+/// Identification
+///     The document of `trueaxis identify --json`.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
+///
+/// Notes
+/// -----
+/// Writes no file.
 #[pyfunction]
 #[pyo3(signature = (readings, *, axis, machine = None, start_mm = None, free_offsets = false, table = false))]
 pub(crate) fn identify<'py>(
@@ -33,7 +55,7 @@ pub(crate) fn identify<'py>(
     start_mm: Option<[f64; 3]>,
     free_offsets: bool,
     table: bool,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'py, PyAny>> {
     let axis = match axis {
         "A" => Axis::A,
         "B" => Axis::B,
@@ -52,7 +74,7 @@ pub(crate) fn identify<'py>(
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let readings = ball::Readings::read(&mut measured.rows(&ball::COLUMNS, &mut notes)?)?;
-        let known = machine.map(|Machine(machine, ..)| ball::Known {
+        let known = machine.map(|Machine { machine, .. }| ball::Known {
             machine,
             file: machine.settings.name.as_str(),
             start_mm: start_mm.unwrap_or_default(),
@@ -60,30 +82,52 @@ pub(crate) fn identify<'py>(
         let name = measured.name().display().to_string();
         let mut found = ball::identify(readings, &name, axis, offsets, known)?;
         let table = if table { Some(write_axis_csv(&found.table()?, axis)) } else { None };
-        let additions = || machine.map_or(Ok(Additions::default()), |machine| found.additions(&machine.0));
+        let additions = || machine.map_or(Ok(Additions::default()), |machine| found.additions(&machine.machine));
         let written = decided(machine, &measured, additions, &mut notes);
         Ok((found.document, table, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
     let (document, table, written) = to_python(found)?;
-    let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    let found = documents::dictionary(py, &document)?;
     documents::with_decisions(&found, written.as_deref())?;
     if let Some(table) = table {
         found.set_item("table", table)?;
     }
-    Ok(found)
+    result("Identification", found, Some(document.shown(axis)))
 }
 
-/// Identifies the friction of two axes and the figures of their drives from recorded circles; returns the document of
-/// `trueaxis friction --json`. Writes no file.
+/// Identify the friction of two axes and the figures of their drives from recorded circles.
 ///
-/// - record: a file that the command reads, or an array (n, 5): time in s, then command and reading in mm of the first axis
-///   and of the second. Rows of an array count from line 2.
-/// - axes: the axes of the plane, such as "X,Y".
-/// - machine: states the figures of its drives; adds `written`, the decision on every figure, as in `identify`.
-/// - find_drive: identifies the drives although the machine states their figures.
-/// - read_after_us: delay from the moment a row's command takes effect to the encoder's reading; used for an identified drive.
-/// - toml: True adds the sections of a machine.toml under `toml`.
+/// Parameters
+/// ----------
+/// record : array-like or data frame or path-like
+///     A file that the command reads, or an array (n, 5): time in s, then command and reading in mm of the
+///     first axis and of the second. Rows of an array count from line 2.
+/// axes : str
+///     The axes of the plane, such as "X,Y".
+/// machine : Machine, optional
+///     States the figures of its drives; adds `written`, the decision on every figure, as in `identify`.
+/// find_drive : bool, default False
+///     Identifies the drives although the machine states their figures.
+/// read_after_us : float, optional
+///     Delay from the moment a row's command takes effect to the encoder's reading; used for an identified
+///     drive.
+/// toml : bool, default False
+///     True adds the sections of a machine.toml under `toml`.
+///
+/// Returns
+/// -------
+/// Friction
+///     The document of `trueaxis friction --json`.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
+///
+/// Notes
+/// -----
+/// Writes no file.
 #[pyfunction]
 #[pyo3(signature = (record, *, axes, machine = None, find_drive = false, read_after_us = None, toml = false))]
 pub(crate) fn friction<'py>(
@@ -94,7 +138,7 @@ pub(crate) fn friction<'py>(
     find_drive: bool,
     read_after_us: Option<f64>,
     toml: bool,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'py, PyAny>> {
     let axes = circles::pair(axes).map_err(|error| Error::new_err(format!("axes: {error}")))?;
     let read_after_s = read_after_us.map(circles::read_after_s).transpose();
     let read_after_s = read_after_s.map_err(|error| Error::new_err(format!("read_after_us: {error}")))?;
@@ -106,7 +150,7 @@ pub(crate) fn friction<'py>(
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let given = match machine.filter(|_| !find_drive) {
-            Some(Machine(machine, ..)) => circles::drives(machine, machine.settings.name.as_str(), axes)?,
+            Some(Machine { machine, .. }) => circles::drives(machine, machine.settings.name.as_str(), axes)?,
             None => [None; 2],
         };
         let mut recording = circles::Recording::read(measured.rows(&columns, &mut notes)?, axes)?;
@@ -114,14 +158,15 @@ pub(crate) fn friction<'py>(
         let (found, document) = circles::fit(&recording, given, &mut |_, _| {})?;
         let sections = toml.then(|| circles::sections(measured.name(), &found));
         let written = decided(machine, &measured, || Ok(circles::additions(&found)), &mut notes);
-        Ok((document, sections, written))
+        let shown = Shown { plots: circles::spikes(&found), ..document.shown() };
+        Ok((document, shown, sections, written))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, sections, written) = to_python(found)?;
-    let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    let (document, shown, sections, written) = to_python(found)?;
+    let found = documents::dictionary(py, &document)?;
     documents::with_decisions(&found, written.as_deref())?;
     if let Some(sections) = sections {
         found.set_item("toml", sections)?;
     }
-    Ok(found)
+    result("Friction", found, Some(shown))
 }

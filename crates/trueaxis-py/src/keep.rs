@@ -1,5 +1,6 @@
 //! A machine that keeps itself true: the functions re-probe balls that stay in place, with the code of `trueaxis keep`.
 
+use crate::shown::result;
 use crate::{Error, NeedsPerson, documents, to_python, warn};
 use anyhow::{Result, anyhow};
 use pyo3::prelude::*;
@@ -54,38 +55,73 @@ impl Asked {
 
 /// The document of a re-probing, with a sentence on each change under `changes`.
 fn document<'py>(py: Python<'py>, evaluated: &EvaluatedLog) -> PyResult<Bound<'py, PyDict>> {
-    let document = documents::dictionary(py, &evaluated.document)?.cast_into::<PyDict>()?;
+    let document = documents::dictionary(py, &evaluated.document)?;
     document.set_item("changes", &evaluated.changes)?;
     Ok(document)
 }
 
-/// Plans the re-probing program of a task and the standard error expected of every term; returns the document of
-/// `trueaxis keep plan --json`, with the program's text under `program_text`.
+fn reprobing<'py>(py: Python<'py>, evaluated: &EvaluatedLog) -> PyResult<Bound<'py, PyAny>> {
+    result("Reprobing", document(py, evaluated)?, Some(evaluated.document.shown()))
+}
+
+/// Plan the re-probing program of a task and the standard error expected of every term.
 ///
-/// - task: a keep.toml (docs/calibration.md), which states the machine's folder relative to its own.
+/// Parameters
+/// ----------
+/// task : path-like
+///     A keep.toml (docs/calibration.md), which states the machine's folder relative to its own.
 ///
+/// Returns
+/// -------
+/// KeepPlan
+///     The document of `trueaxis keep plan --json`, with the program's text under `program_text`.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     With file and line: balls that do not separate the terms, a bound below the smallest change that they
+///     show.
+///
+/// Notes
+/// -----
 /// The standard errors assume that the balls' places at the first probing are exact; the bounds have the same unit.
-///
-/// Raises trueaxis.Error with file and line: balls that do not separate the terms, a bound below the smallest change that they
-/// show.
 #[pyfunction]
-pub(crate) fn keep_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyDict>> {
+pub(crate) fn keep_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyAny>> {
     let planned = noting(py, |notes| {
         let state = State::read(&task, &mut |note| notes.push(note))?;
         Planning::new(&state.task, &state.machine)
     })?;
-    let document = documents::dictionary(py, &planned.foreseen)?.cast_into::<PyDict>()?;
+    let document = documents::dictionary(py, &planned.foreseen)?;
     document.set_item("program_text", planned.program)?;
-    Ok(document)
+    result("KeepPlan", document, None)
 }
 
-/// Evaluates the first probing, with which the later ones are compared, and adds it to the history; returns the document of
-/// `trueaxis keep begin`. Changes nothing of the machine except keep/history.jsonl in its folder, which gains a line.
+/// Evaluate the first probing, with which the later ones are compared, and adds it to the history.
 ///
-/// - time: time of the probing, UTC, such as "2026-05-04T06:00:00Z".
-/// - parts: number of parts made until then, as the control counts them.
+/// Parameters
+/// ----------
+/// task : path-like
+///     The keep.toml of the machine (docs/calibration.md), which states the machine's folder relative to its own.
+/// log : path-like
+///     Log of the re-probing program, as the control wrote it.
+/// time : str, optional
+///     Time of the probing, UTC, such as "2026-05-04T06:00:00Z".
+/// parts : int, optional
+///     Number of parts made until then, as the control counts them.
 ///
-/// Raises trueaxis.Error as calibrate_solve does, and while another command changes the machine.
+/// Returns
+/// -------
+/// Reprobing
+///     The document of `trueaxis keep begin`.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     As calibrate_solve does, and while another command changes the machine.
+///
+/// Notes
+/// -----
+/// Changes nothing of the machine except keep/history.jsonl in its folder, which gains a line.
 #[pyfunction]
 #[pyo3(signature = (task, log, *, time = None, parts = None))]
 pub(crate) fn keep_begin(
@@ -94,7 +130,7 @@ pub(crate) fn keep_begin(
     log: PathBuf,
     time: Option<String>,
     parts: Option<u64>,
-) -> PyResult<Bound<'_, PyDict>> {
+) -> PyResult<Bound<'_, PyAny>> {
     let asked = Asked { task, log, time: time_of(time)?, parts, accept: Vec::new(), by_hand: false };
     let evaluated = noting(py, |notes| {
         let note = &mut |note| notes.push(note);
@@ -103,22 +139,46 @@ pub(crate) fn keep_begin(
         asked.put(&state, &evaluated)?;
         Ok(evaluated)
     })?;
-    document(py, &evaluated)
+    reprobing(py, &evaluated)
 }
 
-/// Computes the changes that a log would make, and the reasons; returns the document of `trueaxis keep check --json`, with a
-/// sentence on each change under `changes`. Writes no file.
+/// Compute the changes that a log would make, and the reasons.
 ///
-/// - accept: terms that may be out of their bounds.
-/// - by_hand: accepts tables that somebody has changed since the last entry of the history.
-/// - files: True adds the machine's changed files under `files`, a dict of texts by name.
+/// Parameters
+/// ----------
+/// task : path-like
+///     The keep.toml of the machine (docs/calibration.md), which states the machine's folder relative to its own.
+/// log : path-like
+///     Log of the re-probing program, as the control wrote it.
+/// time : str, optional
+///     Time of the probing, UTC, such as "2026-05-04T06:00:00Z".
+/// parts : int, optional
+///     Number of parts made until then, as the control counts them.
+/// accept : sequence of str, optional
+///     Terms that may be out of their bounds.
+/// by_hand : bool, default False
+///     Accepts tables that somebody has changed since the last entry of the history.
+/// files : bool, default False
+///     True adds the machine's changed files under `files`, a dict of texts by name.
 ///
-/// The document contains, for every term, the error that remains after the tables, its standard error, the sum of the updates
-/// before and after this one (`from`, `to`), the bounds, and the verdict `keep`, `update` or `refused` with its `reason`.
-/// `refused` counts the terms that a person must decide on.
+/// Returns
+/// -------
+/// Reprobing
+///     The document of `trueaxis keep check --json`, with a sentence on each change under `changes`.
 ///
-/// Raises trueaxis.Error with file and line: a history without its first entry, a log of another task or an earlier one,
-/// tables changed by hand.
+/// Raises
+/// ------
+/// trueaxis.Error
+///     With file and line: a history without its first entry, a log of another task or an earlier one, tables
+///     changed by hand.
+///
+/// Notes
+/// -----
+/// Writes no file.
+///
+/// The document contains, for every term, the error that remains after the tables, its standard error, the sum of
+/// the updates before and after this one (`from`, `to`), the bounds, and the verdict `keep`, `update` or `refused`
+/// with its `reason`. `refused` counts the terms that a person must decide on.
 #[pyfunction]
 #[pyo3(signature = (task, log, *, time = None, parts = None, accept = Vec::new(), by_hand = false, files = false))]
 pub(crate) fn keep_check(
@@ -130,7 +190,7 @@ pub(crate) fn keep_check(
     accept: Vec<String>,
     by_hand: bool,
     files: bool,
-) -> PyResult<Bound<'_, PyDict>> {
+) -> PyResult<Bound<'_, PyAny>> {
     let asked = Asked { task, log, time: time_of(time)?, parts, accept, by_hand };
     let evaluated = noting(py, |notes| {
         let state = State::read(&asked.task, &mut |note| notes.push(note))?;
@@ -144,17 +204,43 @@ pub(crate) fn keep_check(
         }
         document.set_item("files", texts)?;
     }
-    Ok(document)
+    result("Reprobing", document, Some(evaluated.document.shown()))
 }
 
-/// Applies the changes from a log and adds them to the history; returns the document of `trueaxis keep apply`, with `applied`
-/// and `changes`. The arguments are those of keep_check.
+/// Apply the changes from a log and adds them to the history.
 ///
-/// The function writes all files or none, as the command does: it copies replaced files to keep/NUMBER and recompiles tcomp and
-/// ttherm files.
+/// Parameters
+/// ----------
+/// task : path-like
+///     The keep.toml of the machine (docs/calibration.md), which states the machine's folder relative to its own.
+/// log : path-like
+///     Log of the re-probing program, as the control wrote it.
+/// time : str, optional
+///     Time of the probing, UTC, such as "2026-05-04T06:00:00Z".
+/// parts : int, optional
+///     Number of parts made until then, as the control counts them.
+/// accept : sequence of str, optional
+///     Terms that may be out of their bounds.
+/// by_hand : bool, default False
+///     Whether tables that somebody has changed since the last entry of the history are accepted.
 ///
-/// Raises trueaxis.NeedsPerson and writes nothing if a term is out of its bounds. Raises trueaxis.Error as keep_check does,
-/// and while another command changes the machine.
+/// Returns
+/// -------
+/// Reprobing
+///     The document of `trueaxis keep apply`, with `applied` and `changes`.
+///
+/// Raises
+/// ------
+/// trueaxis.NeedsPerson
+///     And writes nothing if a term is out of its bounds. Raises trueaxis.Error as keep_check does, and while
+///     another command changes the machine.
+///
+/// Notes
+/// -----
+/// The arguments are those of keep_check.
+///
+/// The function writes all files or none, as the command does: it copies replaced files to keep/NUMBER and
+/// recompiles tcomp and ttherm files.
 #[pyfunction]
 #[pyo3(signature = (task, log, *, time = None, parts = None, accept = Vec::new(), by_hand = false))]
 pub(crate) fn keep_apply(
@@ -165,7 +251,7 @@ pub(crate) fn keep_apply(
     parts: Option<u64>,
     accept: Vec<String>,
     by_hand: bool,
-) -> PyResult<Bound<'_, PyDict>> {
+) -> PyResult<Bound<'_, PyAny>> {
     let asked = Asked { task, log, time: time_of(time)?, parts, accept, by_hand };
     let (evaluated, refusal) = noting(py, |notes| {
         let state = State::alone(&asked.task, &mut |note| notes.push(note))?;
@@ -179,16 +265,32 @@ pub(crate) fn keep_apply(
     })?;
     match refusal {
         Some(reason) => Err(NeedsPerson::new_err(reason)),
-        None => document(py, &evaluated),
+        None => reprobing(py, &evaluated),
     }
 }
 
-/// Restores the machine's files to their state before an entry of the history, like `trueaxis keep undo`; returns the new
-/// entry in the form of keep_history.
+/// Restore the machine's files to their state before an entry of the history, like `trueaxis keep undo`.
 ///
-/// - entry: the first entry to undo, with all later ones; None undoes the last update in effect.
+/// Parameters
+/// ----------
+/// task : path-like
+///     The keep.toml of the machine (docs/calibration.md), which states the machine's folder relative to its own.
+/// entry : int, optional
+///     The first entry to undo, with all later ones; None undoes the last update in effect.
+/// time : str, optional
+///     Time of the probing, UTC, such as "2026-05-04T06:00:00Z".
+/// by_hand : bool, default False
+///     Whether tables that somebody has changed since the last entry of the history are accepted.
 ///
-/// Raises trueaxis.Error: nothing to undo, tables changed by hand, copies that are missing or damaged.
+/// Returns
+/// -------
+/// dict[str, Any]
+///     The new entry in the form of keep_history.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     Nothing to undo, tables changed by hand, copies that are missing or damaged.
 #[pyfunction]
 #[pyo3(signature = (task, entry = None, *, time = None, by_hand = false))]
 pub(crate) fn keep_undo(
@@ -206,12 +308,27 @@ pub(crate) fn keep_undo(
         state.put_back(Outputs::of([&task]), &undone)?;
         Ok(undone)
     })?;
-    documents::dictionary(py, &undone.entry)
+    documents::value(py, &undone.entry)
 }
 
-/// Returns the history of a task's machine: the entries of `trueaxis keep history --json`.
+/// Return the history of a task's machine: the entries of `trueaxis keep history --json`.
+///
+/// Parameters
+/// ----------
+/// task : path-like
+///     The keep.toml of the machine (docs/calibration.md), which states the machine's folder relative to its own.
+///
+/// Returns
+/// -------
+/// list of dict
+///     The entries of `trueaxis keep history --json`, the first one first.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
 #[pyfunction]
 pub(crate) fn keep_history(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyAny>> {
     let entries = noting(py, |notes| Ok(State::read(&task, &mut |note| notes.push(note))?.history.entries))?;
-    documents::dictionary(py, &entries)
+    documents::value(py, &entries)
 }

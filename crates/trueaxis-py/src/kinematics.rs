@@ -25,11 +25,32 @@ fn table<'py>(py: Python<'py>, values: Vec<f64>, width: usize) -> PyResult<Bound
 
 #[pymethods]
 impl Machine {
-    /// Computes the tool in workpiece coordinates: tip (n, 3), mm; tool axis (n, 3), a unit vector from the tip to the
-    /// spindle; singularity margin (n,), degrees. These are the columns of `trueaxis kinematics forward`.
+    /// Compute where the tool is in the workpiece from positions of the axes.
     ///
-    /// - positions: (n, 3), or the columns that `columns` lists.
-    /// - tool_mm: vector from the last tool-side frame to the tip with all axes at zero; by default, the machine's.
+    /// Parameters
+    /// ----------
+    /// positions : array-like or data frame
+    ///     (n, 3), or the columns that `columns` lists.
+    /// tool_mm : sequence of float, optional
+    ///     Vector from the last tool-side frame to the tip with all axes at zero; by default, the machine's.
+    ///
+    /// Returns
+    /// -------
+    /// tip : numpy.ndarray
+    ///     Tip of the tool in the workpiece, mm, (n, 3).
+    /// tool : numpy.ndarray
+    ///     Direction of the tool, a unit vector from the tip to the spindle, (n, 3).
+    /// margin : numpy.ndarray
+    ///     Angle to the nearest singular pose, degrees, (n,).
+    ///
+    /// Raises
+    /// ------
+    /// trueaxis.Error
+    ///     If an argument or a record is refused: what was found, and what is needed.
+    ///
+    /// Notes
+    /// -----
+    /// These are the columns of `trueaxis kinematics forward`.
     #[pyo3(signature = (positions, *, tool_mm = None))]
     fn forward<'py>(
         &self,
@@ -53,15 +74,45 @@ impl Machine {
         Ok((table(py, tips, 3)?, table(py, tools, 3)?, PyArray1::from_vec(py, margins)))
     }
 
-    /// Computes axis positions for a tool: positions (n, columns); branch (n,), 1 or 2; singularity margin (n,) and direction
-    /// error (n,), degrees. These are the columns of `trueaxis kinematics inverse`. The direction error is 0 outside the
-    /// machine's singular cone.
+    /// Compute axis positions from tips and directions of the tool.
     ///
-    /// - tip, tool: (n, 3).
-    /// - branch: "1", "2", or "nearest", which selects the branch nearest to the row before, or to `start` for the first row.
-    /// - start: angles of the rotary axes in the order A, B, C.
-    /// - max_step_deg: refuses a larger step of a rotary axis from row to row, and any change of branch other than through the
-    ///   singular pose.
+    /// Parameters
+    /// ----------
+    /// tip : array-like
+    ///     Tips of the tool in the workpiece, mm, (n, 3).
+    /// tool : array-like
+    ///     Directions of the tool, from the tip to the spindle, (n, 3).
+    /// branch : {"nearest", "1", "2"}, default "nearest"
+    ///     "1", "2", or "nearest", which selects the branch nearest to the row before, or to `start` for the first
+    ///     row.
+    /// start : sequence of float, optional
+    ///     Angles of the rotary axes in the order A, B, C.
+    /// max_step_deg : float, optional
+    ///     Refuses a larger step of a rotary axis from row to row, and any change of branch other than through the
+    ///     singular pose.
+    /// tool_mm : sequence of float, optional
+    ///     Offset of the tool in mm; by default, that of the machine.
+    ///
+    /// Returns
+    /// -------
+    /// positions : numpy.ndarray
+    ///     Positions of the axes with the columns that `columns` lists, mm and degrees.
+    /// branch : numpy.ndarray
+    ///     Branch of every row, 1 or 2.
+    /// margin : numpy.ndarray
+    ///     Angle to the nearest singular pose, degrees.
+    /// left : numpy.ndarray
+    ///     Angle between the direction asked for and the one reached, degrees.
+    ///
+    /// Raises
+    /// ------
+    /// trueaxis.Error
+    ///     If an argument or a record is refused: what was found, and what is needed.
+    ///
+    /// Notes
+    /// -----
+    /// These are the columns of `trueaxis kinematics inverse`. The direction error is 0 outside the machine's singular
+    /// cone.
     #[pyo3(signature = (tip, tool, *, branch = "nearest", start = None, max_step_deg = None, tool_mm = None))]
     fn inverse<'py>(
         &self,
@@ -88,7 +139,7 @@ impl Machine {
             }
         };
         let kinematics = self.kinematics(tool_mm)?;
-        let columns: Vec<Axis> = columns(&self.0).collect();
+        let columns: Vec<Axis> = columns(&self.machine).collect();
         let mut walk = to_python(Walk::new(choice, max_step_deg).context("max_step_deg"))?;
         if let Some(start) = start {
             walk = to_python(walk.from_angles(&kinematics, &start).context("start"))?;
@@ -115,7 +166,7 @@ impl Machine {
 impl Machine {
     fn kinematics(&self, tool_mm: Option<[f64; 3]>) -> PyResult<Kinematics<f64>> {
         let kinematics =
-            to_python(Kinematics::<f64>::new(&self.0.settings).map_err(|error| anyhow::anyhow!("{error}")))?;
+            to_python(Kinematics::<f64>::new(&self.machine.settings).map_err(|error| anyhow::anyhow!("{error}")))?;
         let Some(tool) = tool_mm else { return Ok(kinematics) };
         if let Some(value) = tool.iter().find(|value| value.is_nan() || value.abs() > 1e6) {
             return Err(Error::new_err(format!("tool_mm: found {value}, needed a finite number of at most 1e6 mm")));
@@ -124,19 +175,37 @@ impl Machine {
     }
 }
 
-/// Computes the displacements of five axes that keep a tool normal to the flank of a helical gear; returns the document of
-/// `trueaxis helicoid --json`, and with gcode=True the program under `program`.
+/// Compute the displacements of five axes that keep a tool normal to the flank of a helical gear.
 ///
-/// The arguments are the command's options with underscores; ranges are texts START:STOP:COUNT:
-/// helicoid(module_mm=4.0, teeth=20, pressure_angle_deg=20.0, helix_angle_deg=15.0, u_rad="0.2:0.6:9", theta_rad="0:0.3:7",
-/// form="vertical", pivot_mm=150.0).
+/// Parameters
+/// ----------
+/// gcode : bool, default False
+///     Whether the result has the program under `program`.
+/// **request : Any
+///     Options of `trueaxis helicoid` with underscores; ranges are texts START:STOP:COUNT.
+///
+/// Returns
+/// -------
+/// Helicoid
+///     The document of `trueaxis helicoid --json`, and with gcode=True the program under `program`.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
+///
+/// Notes
+/// -----
+/// For example,
+/// helicoid(module_mm=4.0, teeth=20, pressure_angle_deg=20.0, helix_angle_deg=15.0, u_rad="0.2:0.6:9",
+/// theta_rad="0:0.3:7", form="vertical", pivot_mm=150.0).
 #[pyfunction]
 #[pyo3(signature = (*, gcode = false, **request))]
 pub(crate) fn helicoid<'py>(
     py: Python<'py>,
     gcode: bool,
     request: Option<Bound<'py, PyDict>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'py, PyAny>> {
     let request = request.unwrap_or_else(|| PyDict::new(py));
     let text: String = py.import("json")?.call_method1("dumps", (request,))?.extract()?;
     let (document, program, notes) = to_python(py.detach(|| {
@@ -152,9 +221,9 @@ pub(crate) fn helicoid<'py>(
         Ok((document, program, notes))
     }))?;
     notes.iter().try_for_each(|note| crate::warn(py, note))?;
-    let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    let found = documents::dictionary(py, &document)?;
     if let Some(program) = program {
         found.set_item("program", program)?;
     }
-    Ok(found)
+    crate::shown::result("Helicoid", found, Some(document.shown()))
 }

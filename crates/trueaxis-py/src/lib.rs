@@ -13,6 +13,7 @@ mod kinematics;
 mod machine;
 mod measured;
 mod path;
+mod shown;
 mod simulation;
 mod thermal;
 
@@ -64,12 +65,13 @@ fn warn(py: Python<'_>, note: &str) -> PyResult<()> {
 /// Errors and corrections of machine tools over NumPy arrays: the module computes the numbers that `trueaxis` prints.
 ///
 /// Positions are in mm and degrees, errors in µm: actual − ideal, of the tool relative to the workpiece.
-#[pymodule(name = "trueaxis")]
+#[pymodule(name = "_native")]
 fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("Error", module.py().get_type::<Error>())?;
     module.add("NeedsPerson", module.py().get_type::<NeedsPerson>())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<machine::Machine>()?;
+    module.add_function(wrap_pyfunction!(machine::restored_machine, module)?)?;
     module.add_class::<path::Path>()?;
     module.add_class::<simulation::Program>()?;
     module.add_function(wrap_pyfunction!(simulation::simulate, module)?)?;
@@ -86,6 +88,7 @@ fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(keep::keep_undo, module)?)?;
     module.add_function(wrap_pyfunction!(keep::keep_history, module)?)?;
     module.add_function(wrap_pyfunction!(thermal::thermal_fit, module)?)?;
+    module.add_function(wrap_pyfunction!(evaluate::accuracy, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate_probing, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate_thermal, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate_step_diagonal, module)?)?;

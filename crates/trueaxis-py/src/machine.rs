@@ -1,26 +1,40 @@
 //! A machine: its errors and corrections.
 
 use crate::measured::Measured;
+use crate::shown::result;
 use crate::{Error, arrays, documents, to_python, warn};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 use trueaxis::machine::{Axis, ErrorModel};
 use trueaxis_evaluation::batch::{self, Positions};
 use trueaxis_evaluation::compensate::{Arrival, PoseError, Settings};
 use trueaxis_evaluation::correct::position;
-use trueaxis_evaluation::model;
 use trueaxis_evaluation::uncertainty::{Options, evaluate};
+use trueaxis_evaluation::{check, model};
 use trueaxis_tables::Additions;
-use trueaxis_tables::files::Folder;
+use trueaxis_tables::files::{Folder, Memory, Source};
 use trueaxis_tables::finding::Decision;
 use trueaxis_tables::text::counted;
 use trueaxis_tables::uncertainty::Uncertainties;
 
 /// A machine with its tables, read and checked.
 #[pyclass(frozen, module = "trueaxis")]
-pub(crate) struct Machine(pub(crate) trueaxis_tables::Machine, pub(crate) Stated, pub(crate) PathBuf);
+pub(crate) struct Machine {
+    pub(crate) machine: trueaxis_tables::Machine,
+    pub(crate) stated: Stated,
+    /// Where it was read.
+    pub(crate) path: PathBuf,
+    /// Its description, or the compiled file, among `files`.
+    name: PathBuf,
+    /// What it was read from, by names relative to its folder.
+    files: Files,
+}
+
+type Files = BTreeMap<PathBuf, Vec<u8>>;
 
 /// Standard uncertainties that the machine's files state; `None` for a compiled file, which states none.
 type Stated = Option<Uncertainties>;
@@ -40,14 +54,38 @@ pub(crate) struct Asked {
 impl Machine {
     /// Reads and checks a machine: a machine.toml, its folder, or a compiled .tcomp.
     ///
-    /// Raises trueaxis.Error with file, line, the value found and the value needed.
+    /// Parameters
+    /// ----------
+    /// path : path-like
+    ///     A machine.toml, its folder, or a compiled .tcomp.
+    ///
+    /// Returns
+    /// -------
+    /// Machine
+    ///     The machine, read and checked.
+    ///
+    /// Raises
+    /// ------
+    /// trueaxis.Error
+    ///     With file, line, the value found and the value needed.
+    ///
+    /// Examples
+    /// --------
+    /// >>> mill = trueaxis.Machine.load("compensation-tables/mill-3axis")
+    /// >>> mill.columns
+    /// ['x_mm', 'y_mm', 'z_mm']
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Machine> {
         let mut notes = Vec::new();
         let machine = py.detach(|| {
             let machine = model::machine(&path, &mut |note| notes.push(note))?;
-            let stated = if model::is_compiled(&path) { None } else { Some(Uncertainties::read(&path)?) };
-            Ok(Machine(machine, stated, path.clone()))
+            let (folder, name) = Folder::of_machine(&path);
+            let compiled = model::is_compiled(&path);
+            let stated = if compiled { None } else { Some(Uncertainties::read_from(&folder, &name)?) };
+            let own = || Ok(vec![name.clone()]);
+            let names = if compiled { own() } else { trueaxis_tables::Machine::files_of(&folder, &name) }?;
+            let files = names.into_iter().map(|name| Ok((name.clone(), model::bytes(&folder.path(&name))?)));
+            Ok(Machine { machine, stated, path: path.clone(), files: files.collect::<anyhow::Result<_>>()?, name })
         });
         for note in notes {
             warn(py, &note)?;
@@ -58,40 +96,125 @@ impl Machine {
     /// Name of the machine.
     #[getter]
     fn name(&self) -> &str {
-        self.0.settings.name.as_str()
+        self.machine.settings.name.as_str()
     }
 
     /// Structural code of the machine, from the workpiece to the tool.
     #[getter]
     fn chain(&self) -> String {
-        self.0.settings.chain.to_string()
+        self.machine.settings.chain.to_string()
     }
 
     /// Error model that the machine states: nine or volumetric.
     #[getter]
     fn model(&self) -> &'static str {
-        model::name(self.0.settings.compensation.model)
+        model::name(self.machine.settings.compensation.model)
     }
 
     /// Columns of positions: x_mm, y_mm, z_mm, then the machine's rotary axes in the order a_deg, b_deg, c_deg.
     #[getter]
     fn columns(&self) -> Vec<String> {
         let unit = |axis: Axis| if axis.is_rotary() { "deg" } else { "mm" };
-        columns(&self.0).map(|axis| format!("{}_{}", axis.letter().to_ascii_lowercase(), unit(axis))).collect()
+        columns(&self.machine).map(|axis| format!("{}_{}", axis.letter().to_ascii_lowercase(), unit(axis))).collect()
+    }
+
+    /// Compile the machine for a controller.
+    ///
+    /// Parameters
+    /// ----------
+    /// rate_hz : float, default 10000.0
+    ///     Servo rate of the controller, 10 Hz to 1 MHz, at which its build has to accept the machine.
+    ///
+    /// Returns
+    /// -------
+    /// bytes
+    ///     The .tcomp file that `trueaxis tables compile` writes.
+    ///
+    /// Raises
+    /// ------
+    /// trueaxis.Error
+    ///     If a controller refuses the machine: with its file, the value found and the value needed.
+    ///
+    /// Notes
+    /// -----
+    /// Remarks of `trueaxis tables check` become warnings.
+    #[pyo3(signature = (*, rate_hz = 10_000.0))]
+    fn compile<'py>(&self, py: Python<'py>, rate_hz: f64) -> PyResult<Bound<'py, PyBytes>> {
+        if !(10.0..=1e6).contains(&rate_hz) {
+            return Err(Error::new_err(format!("rate_hz: found {rate_hz}, needed 10 to 1000000")));
+        }
+        if self.stated.is_none() {
+            return Err(Error::new_err("machine: found a compiled file, needed a machine.toml"));
+        }
+        let files = Memory::new(self.files.iter().map(|(name, bytes)| (name, bytes.as_slice())));
+        let bytes = to_python(py.detach(|| check::compiled(&self.machine, &files, &self.name, rate_hz)))?;
+        for warning in trueaxis_tables::check(&self.machine, rate_hz) {
+            warn(py, &warning.to_string())?;
+        }
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Two machines are equal if their settings, tables and uncertainties are.
+    fn __eq__(&self, other: &Machine) -> bool {
+        self.machine == other.machine && self.stated == other.stated
+    }
+
+    fn __hash__(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        (self.name(), self.chain()).hash(&mut hasher);
+        hasher.finish()
+    }
+
+    /// Pickled are the files, so that a worker needs no folder.
+    fn __reduce__<'py>(slf: &Bound<'py, Machine>) -> PyResult<(Bound<'py, PyAny>, Restored<'py>)> {
+        let (py, own) = (slf.py(), slf.get());
+        let files = PyDict::new(py);
+        for (name, bytes) in &own.files {
+            files.set_item(name, PyBytes::new(py, bytes))?;
+        }
+        let restore = py.import("trueaxis._native")?.getattr("_restored_machine")?;
+        Ok((restore, (own.path.clone(), own.name.clone(), files)))
     }
 
     fn __repr__(&self) -> String {
         format!("<trueaxis.Machine {:?}, {}, {}>", self.name(), self.chain(), self.model())
     }
 
-    /// Computes the error of the tool tip at commanded positions, actual − ideal, µm: an array (n, 3) with the columns ex_um,
-    /// ey_um, ez_um of `trueaxis compensate`. Beyond a table's end, it uses the table's edge value and warns.
+    /// Compute the error of the tool tip at commanded positions: actual − ideal.
     ///
-    /// - positions: (n, 3), or the columns that `columns` lists, mm and degrees: any array-like of real numbers, or a data frame
-    ///   with these columns; omitted rotary axes are at 0.
-    /// - model: "nine", "volumetric", or "exact" (transforms).
-    /// - reverse: all axes travel in the negative direction.
-    /// - in_order: the direction of each axis follows from the row before.
+    /// Parameters
+    /// ----------
+    /// positions : array-like or data frame
+    ///     (n, 3), or the columns that `columns` lists, mm and degrees: any array-like of real numbers, or a data
+    ///     frame with these columns; omitted rotary axes are at 0.
+    /// model : {"nine", "volumetric", "exact"}, optional
+    ///     "nine", "volumetric", or "exact" (transforms).
+    /// reverse : bool, default False
+    ///     All axes travel in the negative direction.
+    /// in_order : bool, default False
+    ///     The direction of each axis follows from the row before.
+    /// temperature_c : float, optional
+    ///     Temperature of the machine for its thermal growth, °C; by default, its reference temperature.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray
+    ///     Errors along X, Y, Z, µm, (n, 3): the columns ex_um, ey_um, ez_um of `trueaxis compensate`.
+    ///
+    /// Raises
+    /// ------
+    /// trueaxis.Error
+    ///     If an argument or a record is refused: what was found, and what is needed.
+    ///
+    /// Notes
+    /// -----
+    /// Beyond a table's end, it uses the table's edge value and warns.
+    ///
+    /// Examples
+    /// --------
+    /// >>> mill = trueaxis.Machine.load("compensation-tables/mill-3axis")
+    /// >>> mill.error([[20.5, 10, -200]]).round(3)
+    /// array([[-0.857, 10.272,  6.618]])
     #[pyo3(signature = (positions, *, model = None, reverse = false, in_order = false, temperature_c = None))]
     fn error<'py>(
         &self,
@@ -105,10 +228,31 @@ impl Machine {
         self.asked(positions, model, reverse, in_order, temperature_c)?.errors(py, |error| error.tip.map(|mm| 1e3 * mm))
     }
 
-    /// Computes the error of the tool's orientation at commanded positions, a small rotation, actual − ideal, µrad: an array
-    /// (n, 3) with the columns ea_urad, eb_urad, ec_urad of `trueaxis compensate --orientation`.
+    /// Compute the error of the tool's direction at commanded positions: a small rotation, actual − ideal.
     ///
-    /// The arguments are those of `error`; the nine-term model has no orientation.
+    /// Parameters
+    /// ----------
+    /// positions : array-like or data frame
+    ///     Positions (n, 3), or with the columns that `columns` lists, mm and degrees; omitted rotary axes are at 0.
+    /// model : {"volumetric", "exact"}, optional
+    ///     Error model; by default, that of the machine. The nine-term model has no orientation.
+    /// reverse : bool, default False
+    ///     Whether all axes travel in the negative direction.
+    /// in_order : bool, default False
+    ///     Whether the direction of each axis follows from the row before.
+    /// temperature_c : float, optional
+    ///     Temperature of the machine for its thermal growth, °C; by default, its reference temperature.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray
+    ///     Rotations about X, Y, Z, µrad, (n, 3): ea_urad, eb_urad, ec_urad of `trueaxis compensate --orientation`.
+    ///
+    /// Raises
+    /// ------
+    /// trueaxis.Error
+    ///     If an argument or a record is refused: what was found, and what is needed.
+
     #[pyo3(signature = (positions, *, model = None, reverse = false, in_order = false, temperature_c = None))]
     fn orientation_error<'py>(
         &self,
@@ -123,14 +267,47 @@ impl Machine {
         asked.errors(py, |error| error.orientation.map(|rad| 1e6 * rad))
     }
 
-    /// Computes the corrections of commanded positions, mm and degrees: an array of the shape of `positions`, to be added to
-    /// them. positions + correction brings the tool to the positions and equals the columns cx_mm, cy_mm, cz_mm of `trueaxis
+    /// Compute the corrections of commanded positions.
+    ///
+    /// Parameters
+    /// ----------
+    /// positions : array-like or data frame
+    ///     Positions (n, 3), or with the columns that `columns` lists, mm and degrees; omitted rotary axes are at 0.
+    /// model : {"nine", "volumetric", "exact"}, optional
+    ///     Error model; by default, that of the machine. "exact" uses transforms.
+    /// reverse : bool, default False
+    ///     Whether all axes travel in the negative direction.
+    /// in_order : bool, default False
+    ///     Whether the direction of each axis follows from the row before.
+    /// temperature_c : float, optional
+    ///     Temperature of the machine for its thermal growth, °C; by default, its reference temperature.
+    /// inverse_passes : int, optional
+    ///     Passes of the exact inverse, 1 to 8; by default, as many as 1e-3 µm needs, and until it converges with
+    ///     "exact".
+    /// orientation : bool, default False
+    ///     The rotary axes also correct the tool's direction; positions + correction then also equals ca_deg,
+    ///     cb_deg, cc_deg of `--orientation`.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray
+    ///     What has to be added to the positions, mm and degrees, in their shape.
+    ///
+    /// Raises
+    /// ------
+    /// trueaxis.Error
+    ///     If an argument or a record is refused: what was found, and what is needed.
+    ///
+    /// Notes
+    /// -----
+    /// positions + correction brings the tool to the positions and equals the columns cx_mm, cy_mm, cz_mm of `trueaxis
     /// compensate`.
     ///
-    /// - orientation: the rotary axes also correct the tool's direction; positions + correction then also equals ca_deg, cb_deg,
-    ///   cc_deg of `--orientation`.
-    ///
-    /// The other arguments are those of `error`.
+    /// Examples
+    /// --------
+    /// >>> mill = trueaxis.Machine.load("compensation-tables/mill-3axis")
+    /// >>> mill.correction([[20.5, 10, -200]]).round(6)
+    /// array([[ 0.0009, -0.0103, -0.0066]])
     #[pyo3(signature = (positions, *, model = None, reverse = false, in_order = false, temperature_c = None,
         inverse_passes = None, orientation = false))]
     fn correction<'py>(
@@ -155,21 +332,40 @@ impl Machine {
         asked.corrections(py)
     }
 
-    /// Computes the uncertainty of the corrected position; returns the document of `trueaxis uncertainty --json`.
+    /// Compute the uncertainty of the corrected position.
     ///
-    /// - at: an additional position to evaluate: X, Y, Z in mm, then the rotary axes in degrees.
-    /// - volume_mm: [low, high] of X, Y, Z; None means the travel.
-    /// - pose_deg: angles of the rotary axes throughout the volume, such as {"A": 30}.
-    /// - points: number of points along each linear axis, 2 to 51.
-    /// - confidence: 50 to 99.99 %.
-    /// - trials: number of random machines.
-    /// - seed: the same seed gives the same machines.
+    /// Parameters
+    /// ----------
+    /// at : sequence of float, optional
+    ///     An additional position to evaluate: X, Y, Z in mm, then the rotary axes in degrees.
+    /// volume_mm : Sequence[sequence of float], optional
+    ///     [low, high] of X, Y, Z; None means the travel.
+    /// pose_deg : Mapping[str, float], optional
+    ///     Angles of the rotary axes throughout the volume, such as {"A": 30}.
+    /// points : int, default 9
+    ///     Number of points along each linear axis, 2 to 51.
+    /// confidence : float, default 95.0
+    ///     50 to 99.99 %.
+    /// trials : int, default 10000
+    ///     Number of random machines.
+    /// seed : int, default 1
+    ///     The same seed gives the same machines.
     ///
-    /// The covariance is Σ = Σ_k s_k s_kᵀ, where s_k is the displacement of the tip by one standard uncertainty of figure k;
-    /// random machines verify it. The document contains, in µm along X, Y, Z of the machine, standard_um, expanded_um = factor
-    /// · standard_um, and radius_um of the sphere that contains the tip.
+    /// Returns
+    /// -------
+    /// Uncertainty
+    ///     The document of `trueaxis uncertainty --json`.
     ///
-    /// Raises trueaxis.Error if the machine's files state no uncertainty, or an argument is out of its range.
+    /// Raises
+    /// ------
+    /// trueaxis.Error
+    ///     If the machine's files state no uncertainty, or an argument is out of its range.
+    ///
+    /// Notes
+    /// -----
+    /// The covariance is Σ = Σ_k s_k s_kᵀ, where s_k is the displacement of the tip by one standard uncertainty of
+    /// figure k; random machines verify it. The document contains, in µm along X, Y, Z of the machine, standard_um,
+    /// expanded_um = factor · standard_um, and radius_um of the sphere that contains the tip.
     #[pyo3(signature = (*, at = None, volume_mm = None, pose_deg = None, points = 9, confidence = 95.0, trials = 10_000,
         seed = 1))]
     fn uncertainty<'py>(
@@ -183,7 +379,7 @@ impl Machine {
         trials: usize,
         seed: u64,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let Machine(machine, Some(stated), _) = self else {
+        let Machine { machine, stated: Some(stated), .. } = self else {
             return Err(Error::new_err(
                 "machine: found a compiled file, which states no uncertainty, needed a machine.toml",
             ));
@@ -204,8 +400,28 @@ impl Machine {
             return Err(Error::new_err(format!("volume_mm: found {found}, needed a finite number")));
         }
         let options = Options { at, volume_mm, pose_deg, points, coverage: confidence / 100.0, trials, seed };
-        documents::dictionary(py, &to_python(py.detach(|| evaluate(machine, stated, &options)))?)
+        let document = to_python(py.detach(|| evaluate(machine, stated, &options)))?;
+        result("Uncertainty", documents::dictionary(py, &document)?, Some(document.shown()))
     }
+}
+
+/// Arguments of [`restored_machine`].
+type Restored<'py> = (PathBuf, PathBuf, Bound<'py, PyDict>);
+
+/// A machine from its pickled files.
+#[pyfunction(name = "_restored_machine")]
+pub(crate) fn restored_machine(path: PathBuf, name: PathBuf, files: Files) -> PyResult<Machine> {
+    let read = || {
+        let memory = Memory::new(files.iter().map(|(name, bytes)| (name, bytes.as_slice())));
+        if !model::is_compiled(&path) {
+            let machine = trueaxis_tables::Machine::read_from(&memory, &name, &mut |_| {})?;
+            return Ok((machine, Some(Uncertainties::read_from(&memory, &name)?)));
+        }
+        let bytes = memory.read(&name)?;
+        Ok((trueaxis_tables::Machine::from_tcomp(&model::parsed(&bytes, &path)?), None))
+    };
+    let (machine, stated) = to_python(read())?;
+    Ok(Machine { machine, stated, path, name, files })
 }
 
 /// Returns the error model of this name.
@@ -232,8 +448,8 @@ pub(crate) fn decided(
     additions: impl FnOnce() -> anyhow::Result<Additions>,
     notes: &mut Vec<String>,
 ) -> Option<Vec<Decision>> {
-    let machine = machine.filter(|machine| machine.1.is_some())?;
-    let (folder, name) = Folder::of_machine(&machine.2);
+    let machine = machine.filter(|machine| machine.stated.is_some())?;
+    let (folder, name) = Folder::of_machine(&machine.path);
     let decide = || -> anyhow::Result<_> {
         let additions = additions()?.of_record(&record.bytes()?);
         additions.edit(&folder, &name)?;
@@ -253,7 +469,7 @@ impl Machine {
         in_order: bool,
         temperature_c: Option<f64>,
     ) -> PyResult<Asked> {
-        let mut machine = self.0.clone();
+        let mut machine = self.machine.clone();
         // `trueaxis compensate` without `--orientation` does the same.
         machine.settings.compensation.orientation = false;
         let exact = model == Some("exact");

@@ -28,12 +28,42 @@ struct Feet {
 #[pymethods]
 impl Path {
     /// Reads a path: the PATH.json of `trueaxis contour`.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path-like
+    ///     A path file: JSON of segments (docs/formats.md).
+    ///
+    /// Returns
+    /// -------
+    /// Path
+    ///     The path.
+    ///
+    /// Raises
+    /// ------
+    /// trueaxis.Error
+    ///     If an argument or a record is refused: what was found, and what is needed.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Path> {
         Path::cut(py, || Ok(read_text(&path, &[])?), &path)
     }
 
-    /// Reads a path from the text of a PATH.json.
+    /// Read a path from the text of a PATH.json.
+    ///
+    /// Parameters
+    /// ----------
+    /// text : str
+    ///     JSON of segments (docs/formats.md).
+    ///
+    /// Returns
+    /// -------
+    /// Path
+    ///     The path.
+    ///
+    /// Raises
+    /// ------
+    /// trueaxis.Error
+    ///     If an argument or a record is refused: what was found, and what is needed.
     #[staticmethod]
     fn from_json(py: Python<'_>, text: String) -> PyResult<Path> {
         Path::cut(py, || Ok(text), FilePath::new("path"))
@@ -45,15 +75,36 @@ impl Path {
         self.0.segments()
     }
 
-    /// Finds the point of the path nearest to every actual position (its foot), within max_lag_mm of path length around its
-    /// reference. Returns the columns of `trueaxis contour` as arrays: segment and u of the foot, error_um (the distance to
-    /// it), vector_um (n, 3; actual − foot), evaluations, bracketed.
+    /// Find the foot of every actual position: the point of the path nearest to it, about its reference.
     ///
-    /// - actual: (n, 3), mm, or a data frame with the columns x_mm, y_mm, z_mm.
-    /// - segment, u: (n,), the reference of each position.
+    /// Parameters
+    /// ----------
+    /// segment : array-like
+    ///     (n,), the reference of each position.
+    /// u : array-like
+    ///     (n,), the reference of each position.
+    /// actual : array-like or data frame
+    ///     (n, 3), mm, or a data frame with the columns x_mm, y_mm, z_mm.
+    /// max_lag_mm : float, default 1.0
+    ///     Path length that is searched on either side of the reference, mm.
+    /// method : {"guarded", "bisection"}, default "guarded"
+    ///     Method that narrows a bracket.
     ///
-    /// Raises trueaxis.Error with the row: a reference that is not on the path, a coordinate that does not change while the
-    /// path moves along it.
+    /// Returns
+    /// -------
+    /// ContourError
+    ///     Foot, distance and vector of every position, as arrays by the columns of `trueaxis contour`.
+    ///
+    /// Raises
+    /// ------
+    /// trueaxis.Error
+    ///     With the row: a reference that is not on the path, a coordinate that does not change while the path
+    ///     moves along it.
+    ///
+    /// Notes
+    /// -----
+    /// Returns the columns of `trueaxis contour` as arrays: segment and u of the foot, error_um (the distance to it),
+    /// vector_um (n, 3; actual − foot), evaluations, bracketed.
     #[pyo3(signature = (segment, u, actual, *, max_lag_mm = 1.0, method = "guarded"))]
     fn contour_error<'py>(
         &self,

@@ -1,6 +1,7 @@
 //! Simulation of a part program on a machine.
 
 use crate::machine::Machine;
+use crate::shown::result;
 use crate::{Error, documents, to_python, warn};
 use anyhow::Context;
 use numpy::PyArray1;
@@ -34,11 +35,28 @@ impl Program {
     #[classattr]
     const SHIPPED: [&'static str; 6] = BUILTIN_NAMES;
 
-    /// Reads a G-code file, or a shipped program by its name, like `--program` of `firmware-sim run`.
+    /// Read a G-code file, or a shipped program by its name, like `--program` of `firmware-sim run`.
     ///
-    /// - tool_table: a tool table of LinuxCNC.
-    /// - offsets: a parameter file of LinuxCNC, or a .toml file.
-    /// - block_delete: skips the lines that begin with `/`.
+    /// Parameters
+    /// ----------
+    /// path : path-like
+    ///     G-code file, or the name of a shipped program.
+    /// tool_table : path-like, optional
+    ///     A tool table of LinuxCNC.
+    /// offsets : path-like, optional
+    ///     A parameter file of LinuxCNC, or a .toml file.
+    /// block_delete : bool, default False
+    ///     Skips the lines that begin with `/`.
+    ///
+    /// Returns
+    /// -------
+    /// Program
+    ///     The program, read and checked.
+    ///
+    /// Raises
+    /// ------
+    /// trueaxis.Error
+    ///     If an argument or a record is refused: what was found, and what is needed.
     #[staticmethod]
     #[pyo3(signature = (path, *, tool_table = None, offsets = None, block_delete = false))]
     fn load(
@@ -55,7 +73,35 @@ impl Program {
         }))
     }
 
-    /// Reads a program from its text; tool_table and offsets are texts too.
+    /// Read a program from its text; tool_table and offsets are texts too.
+    ///
+    /// Parameters
+    /// ----------
+    /// text : str
+    ///     G-code.
+    /// name : str, default "program"
+    ///     Name of the program in results and errors.
+    /// tool_table : str, optional
+    ///     Text of a tool table of LinuxCNC.
+    /// offsets : str, optional
+    ///     Text of a parameter file of LinuxCNC, or of a .toml file.
+    /// block_delete : bool, default False
+    ///     Whether lines that begin with `/` are skipped.
+    ///
+    /// Returns
+    /// -------
+    /// Program
+    ///     The program, read and checked.
+    ///
+    /// Raises
+    /// ------
+    /// trueaxis.Error
+    ///     If an argument or a record is refused: what was found, and what is needed.
+    ///
+    /// Examples
+    /// --------
+    /// >>> trueaxis.Program.from_text("G21 G90 F1500\nG1 X10\nM2\n").moves
+    /// 1
     #[staticmethod]
     #[pyo3(signature = (text, *, name = "program", tool_table = None, offsets = None, block_delete = false))]
     fn from_text(
@@ -246,25 +292,68 @@ impl Request<'_> {
     }
 }
 
-/// Simulates a program on a machine; returns the document of `firmware-sim run --json` without measured times.
+/// Simulate a program on a machine.
 ///
-/// - scenario: the text of a scenario file.
-/// - settings: replaces keys of the scenario, like `--set`: {"drive.dead_time_s": 0.001}.
-/// - rate_hz, seed, temperature_c, origin_mm: replace these keys after that.
-/// - faults, events: additions to those of the scenario; an event `exchange:NAME@2s` uses the machine NAME of `exchanges`.
-/// - on_trial: friction, lag and acceleration are on trial from the start, like the event `on:trial@0s`: they act as far as the
-///   contour error shows that they help. For drives whose figures are uncertain: 8 % instead of 22 % of simulated plants get more
-///   than 5 % worse than without dynamic correction, at the price of little gain on tracks of one or two seconds.
-/// - The events `off:adapt@2s` and `on:adapt@3s` freeze the friction that adapts and let it adapt again, `reset:adapt@2s` returns it
-///   to the identified figures; `friction_factors` of the document has the factors in use in the last cycle, and the trace
-///   has those of every cycle.
-/// - learned: a .tlearn file.
-/// - kinds: machines to simulate side by side, from uncompensated, compensated, servo_only, full, configured; by default, the
-///   command's.
-/// - trace_every: keeps every Nth cycle; `trace` of the document then contains, for every machine, the columns of trace.csv
-///   (trace-full.csv) as arrays, not rounded.
+/// Parameters
+/// ----------
+/// machine : Machine
+///     The machine with the tables that are simulated.
+/// program : Program
+///     The part program.
+/// seed : int, optional
+///     Replace these keys after that.
+/// rate_hz : float, optional
+///     Replace these keys after that.
+/// temperature_c : float, optional
+///     Replace these keys after that.
+/// origin_mm : sequence of float, optional
+///     Replace these keys after that.
+/// scenario : str, optional
+///     The text of a scenario file.
+/// settings : Mapping[str, float or list[float] or list[str]], optional
+///     Replaces keys of the scenario, like `--set`: {"drive.dead_time_s": 0.001}.
+/// faults : sequence of str, optional
+///     Additions to those of the scenario; an event `exchange:NAME@2s` uses the machine NAME of `exchanges`.
+/// events : sequence of str, optional
+///     Additions to those of the scenario; an event `exchange:NAME@2s` uses the machine NAME of `exchanges`.
+/// exchanges : Mapping[str, Machine], optional
+///     Machines whose tables an event may put into effect, by name.
+/// on_trial : bool, default False
+///     Friction, lag and acceleration are on trial from the start, like the event `on:trial@0s`: they act as
+///     far as the contour error shows that they help. For drives whose figures are uncertain: 8 % instead of 22
+///     % of simulated plants get more than 5 % worse than without dynamic correction, at the price of little
+///     gain on tracks of one or two seconds.
+/// model : {"nine", "volumetric"}, optional
+///     Error model; by default, that of the machine.
+/// orientation : bool, optional
+///     Whether the rotary axes correct the tool's direction; by default, as the machine states.
+/// learned : path-like, optional
+///     A .tlearn file.
+/// kinds : Sequence[{"uncompensated", "compensated", "servo_only", "full", "configured"}], optional
+///     Machines to simulate side by side, from uncompensated, compensated, servo_only, full, configured; by
+///     default, the command's.
+/// trace_every : int, optional
+///     Keeps every Nth cycle; `trace` of the document then contains, for every machine, the columns of
+///     trace.csv (trace-full.csv) as arrays, not rounded.
 ///
-/// Equal arguments produce equal bits. The function releases the interpreter's lock, so several threads can simulate at once.
+/// Returns
+/// -------
+/// Run
+///     The document of `firmware-sim run --json` without measured times.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument or a record is refused: what was found, and what is needed.
+///
+/// Notes
+/// -----
+/// The events `off:adapt@2s` and `on:adapt@3s` freeze the friction that adapts and let it adapt again,
+/// `reset:adapt@2s` returns it to the identified figures; `friction_factors` of the document has the factors in use
+/// in the last cycle, and the trace has those of every cycle.
+///
+/// Equal arguments produce equal bits. The function releases the interpreter's lock, so several threads can
+/// simulate at once.
 #[pyfunction]
 #[pyo3(signature = (machine, program, *, seed = None, rate_hz = None, temperature_c = None, origin_mm = None, scenario = None,
     settings = None, faults = Vec::new(), events = Vec::new(), exchanges = BTreeMap::new(), on_trial = false,
@@ -288,7 +377,7 @@ pub(crate) fn simulate<'py>(
     learned: Option<PathBuf>,
     kinds: Option<Vec<String>>,
     trace_every: Option<u64>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'py, PyAny>> {
     let mut replaced: Vec<(String, Value)> = match settings {
         Some(settings) => {
             settings.iter().map(|(key, value)| Ok((key.extract()?, value.extract()?))).collect::<PyResult<_>>()?
@@ -307,13 +396,13 @@ pub(crate) fn simulate<'py>(
         return Err(Error::new_err("trace_every: found 0, needed at least 1"));
     }
     let request = Request {
-        machine: &machine.get().0,
+        machine: &machine.get().machine,
         program: program.get(),
         scenario: scenario.unwrap_or_default(),
         settings: replaced,
         faults,
         events,
-        exchanges: exchanges.into_iter().map(|(name, machine)| (name, machine.get().0.clone())).collect(),
+        exchanges: exchanges.into_iter().map(|(name, machine)| (name, machine.get().machine.clone())).collect(),
         model,
         orientation,
         learned,
@@ -330,9 +419,9 @@ pub(crate) fn simulate<'py>(
     let machines: Vec<_> = kinds.into_iter().zip(run.tallies()).collect();
     let document = RunDocument::<()>::of(&scenario, run.cycles(), &machines);
     document.notes.iter().try_for_each(|note| warn(py, note))?;
-    let found = documents::dictionary(py, &document)?.cast_into::<PyDict>()?;
+    let found = documents::dictionary(py, &document)?;
     if let Some(traces) = traces {
         found.set_item("trace", traces.tables(py)?)?;
     }
-    Ok(found)
+    result("Run", found, None)
 }

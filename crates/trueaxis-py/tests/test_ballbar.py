@@ -39,7 +39,7 @@ def test_a_test_is_that_of_the_command(tmp_path):
     assert code == 0, err
     decided = trueaxis.ballbar(file, radius_mm=100.0, machine=trueaxis.Machine.load(machine))["written"]
     assert decided == json.loads(out)["written"] and "axis.X.backlash_um" in {of["key"] for of in decided}
-    traces = trueaxis.ballbar(rows, radius_mm=100.0, pitch_x_mm=10.0, traces=True)
+    traces = trueaxis.ballbar(rows, radius_mm=100.0, pitch_x_mm=10.0, traces=True).to_dict()
     centred, left = traces.pop("centred_um"), traces.pop("left_um")
     assert np.allclose(traces.pop("angle_deg"), rows[:, 0]) and np.array_equal(traces.pop("direction"), rows[:, 2])
     assert traces == found and centred.shape == left.shape == (len(rows),)

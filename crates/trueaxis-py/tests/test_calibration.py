@@ -26,7 +26,7 @@ def task(tmp_path_factory):
 def test_a_plan_is_that_of_the_command(task, tmp_path):
     code, out, err = command("calibrate", "plan", task, "-o", tmp_path / "probe.ngc", "--json")
     assert code == 0, err
-    found = trueaxis.calibrate_plan(task)
+    found = trueaxis.calibrate_plan(task).to_dict()
     assert found.pop("program_text") == (tmp_path / "probe.ngc").read_text()
     assert found == json.loads(out)
     assert found["touches"] == 81 and found["warnings"] == []
@@ -98,7 +98,7 @@ def test_a_thermal_fit_is_that_of_the_command(tmp_path):
     assert found == json.loads(out)
     drift, left = found["held_out_um"]
     assert drift > 15 and left < 0.3
-    text = trueaxis.thermal_fit(file, machine=mill, hold_out=[2], without=["T2"], toml=True).pop("toml")
+    text = trueaxis.thermal_fit(file, machine=mill, hold_out=[2], without=["T2"], toml=True).toml
     assert text == toml.read_text()
     assert refused(lambda: trueaxis.thermal_fit(record, without=["T7"])) == "without: found T7, needed one of T1, T2"
     gap = {name: np.delete(values, [120, 121]) for name, values in record.items()}

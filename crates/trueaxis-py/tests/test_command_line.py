@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import pickle
 import shutil
 import subprocess
 from pathlib import Path
@@ -125,6 +126,38 @@ def test_passes_and_compiled_tables(tmp_path):
         assert np.array_equal(corrected, columns(table, "cx_mm", "cy_mm", "cz_mm"))
 
 
+def test_a_compiled_machine_is_the_file_of_compile(tmp_path):
+    mill = trueaxis.Machine.load(TABLES / "mill-3axis")
+    file = tmp_path / "mill.tcomp"
+    code, out, err = command("tables", "compile", TABLES / "mill-3axis", "-o", file)
+    assert code == 0, err
+    assert mill.compile() == file.read_bytes()
+    compiled = trueaxis.Machine.load(file)
+    assert refused(compiled.compile) == "machine: found a compiled file, needed a machine.toml"
+    assert refused(lambda: mill.compile(rate_hz=1)).startswith("rate_hz: found 1, needed 10 to 1000000")
+
+
+def test_a_machine_is_pickled_with_its_files(tmp_path):
+    """Without its folder, as on another computer; a machine from a compiled file too."""
+    shutil.copytree(TABLES / "mill-3axis", tmp_path / "mill")
+    mill = trueaxis.Machine.load(tmp_path / "mill")
+    (tmp_path / "mill.tcomp").write_bytes(mill.compile())
+    compiled = trueaxis.Machine.load(tmp_path / "mill.tcomp")
+    texts = [pickle.dumps(machine) for machine in (mill, compiled)]
+    shutil.rmtree(tmp_path / "mill")
+    (tmp_path / "mill.tcomp").unlink()
+    again, compiled_again = map(pickle.loads, texts)
+    assert again == mill and hash(again) == hash(mill) and compiled_again == compiled and again != compiled
+    assert again.columns == mill.columns and again.compile() == mill.compile()
+    at = [[20.5, 10.0, -200.0]]
+    assert np.array_equal(again.error(at), mill.error(at))
+    assert again.uncertainty(points=3, trials=200) == mill.uncertainty(points=3, trials=200)
+    shutil.copytree(TABLES / "mill-3axis", tmp_path / "mill")
+    text = (tmp_path / "mill/machine.toml").read_text()
+    (tmp_path / "mill/machine.toml").write_text(text.replace("backlash_um = 2.2", "backlash_um = 2.3", 1))
+    assert trueaxis.Machine.load(tmp_path / "mill") != mill
+
+
 def test_contour_error_is_that_of_contour(tmp_path):
     text = json.dumps({"segments": [
         {"type": "line", "start": [0, 0, 0], "end": [10, 0, 0]},
@@ -177,7 +210,7 @@ def test_roundness_is_that_of_roundness(tmp_path):
     options = ["--n", n, "--p", p, "--q", q, "--upr", 15]
     code, out, err = command("roundness", file, *options, "--json", "-o", tmp_path / "r.csv")
     assert code == 0, err
-    found = trueaxis.roundness(readings, n=n, p=p, q=q, upr=15)
+    found = trueaxis.roundness(readings, n=n, p=p, q=q, upr=15).to_dict()
     profile, x, y = (found.pop(name) for name in ("profile_um", "rx_um", "ry_um"))
     assert found == json.loads(out)
     table = np.loadtxt(tmp_path / "r.csv", delimiter=",", skiprows=1)
@@ -196,7 +229,7 @@ def test_roundness_of_readings_with_angles_is_that_of_roundness(tmp_path):
     file = written(tmp_path / "probes.csv", "h1_um,h2_um,h3_um,theta_deg", np.column_stack([readings, theta_deg]))
     code, out, err = command("roundness", file, "--n", n, "--p", p, "--q", q, "--json", "-o", tmp_path / "r.csv")
     assert code == 0, err
-    found = trueaxis.roundness(readings, n=n, p=p, q=q, theta_deg=theta_deg)
+    found = trueaxis.roundness(readings, n=n, p=p, q=q, theta_deg=theta_deg).to_dict()
     profile, x, y = (found.pop(name) for name in ("profile_um", "rx_um", "ry_um"))
     assert found == json.loads(out) and found["resampling"]["rows"] == 4000
     table = np.loadtxt(tmp_path / "r.csv", delimiter=",", skiprows=1)

@@ -34,7 +34,7 @@ def test_errors_are_those_of_identify(tmp_path):
     file = written(tmp_path / "ball.csv", HEADER, rows)
     code, out, err = command("identify", file, "--axis", "C", "--json", "-o", tmp_path / "c.csv")
     assert code == 0, err
-    found = trueaxis.identify(rows, axis="C", table=True)
+    found = trueaxis.identify(rows, axis="C", table=True).to_dict()
     assert found.pop("table") == (tmp_path / "c.csv").read_text()
     assert found == json.loads(out)
     names = ["exc_um", "eyc_um", "ezc_um", "eac_urad", "ebc_urad", "ecc_urad"]
@@ -131,7 +131,7 @@ def test_friction_is_that_of_the_command(tmp_path, record):
     machine = trueaxis.Machine.load(tmp_path)
     code, out, err = command("friction", file, "--axes", "X,Y", "--machine", tmp_path, "--json", "-o", tmp_path / "f.toml")
     assert code == 0, err
-    found = trueaxis.friction(record, axes="X,Y", machine=machine)
+    found = trueaxis.friction(record, axes="X,Y", machine=machine).to_dict()
     decided = found.pop("written")
     assert found == json.loads(out)
     code, out, err = command("friction", file, "--axes", "X,Y", "--machine", tmp_path, "--json", "--dry-run")

@@ -45,7 +45,7 @@ def answered(folder, verb, *more):
 
 
 def test_a_plan_is_that_of_the_command(folder, tmp_path):
-    found = trueaxis.keep_plan(folder / "keep.toml")
+    found = trueaxis.keep_plan(folder / "keep.toml").to_dict()
     text = found.pop("program_text")
     assert found == answered(folder, "plan", "-o", tmp_path / "look.ngc", "--json")
     assert text == (tmp_path / "look.ngc").read_text() and "M0" not in text
@@ -64,7 +64,7 @@ def test_a_round_leaves_the_files_of_the_command(folder, tmp_path):
     shutil.copy(log, other)
     more = ["--time", LATER, "--parts", 12, "--json"]
     before = tree(folder)
-    found = trueaxis.keep_check(folder / "keep.toml", log, time=LATER, parts=12, files=True)
+    found = trueaxis.keep_check(folder / "keep.toml", log, time=LATER, parts=12, files=True).to_dict()
     assert tree(folder) == before
     files, changes = found.pop("files"), found.pop("changes")
     assert found == answered(other, "check", other / "look.log", *more)
@@ -74,7 +74,7 @@ def test_a_round_leaves_the_files_of_the_command(folder, tmp_path):
         assert terms[name]["verdict"] == ("update" if truth else "keep")
     assert found["notes"] == ["12 parts since the last re-probing, every_parts is 10"] and changes
 
-    done = trueaxis.keep_apply(folder / "keep.toml", log, time=LATER, parts=12)
+    done = trueaxis.keep_apply(folder / "keep.toml", log, time=LATER, parts=12).to_dict()
     assert done.pop("changes") == changes and done["applied"]
     assert done == answered(other, "apply", other / "look.log", *more)
     assert tree(folder) == tree(other) and (folder / "mill" / "mill.tcomp").exists()

@@ -73,7 +73,7 @@ def test_helicoids_are_those_of_the_command(tmp_path):
     options = [word for key, value in GEAR.items() for word in ("--" + key.replace("_", "-"), str(value))]
     code, out, err = command("helicoid", *options, "--json", "--gcode", tmp_path / "g.ngc")
     assert code == 0, err
-    found = trueaxis.helicoid(gcode=True, **GEAR)
+    found = trueaxis.helicoid(gcode=True, **GEAR).to_dict()
     assert found.pop("program") == (tmp_path / "g.ngc").read_text()
     assert found == json.loads(out)
     assert "unknown field `modul_mm`" in refused(lambda: trueaxis.helicoid(**GEAR, modul_mm=3))

@@ -88,7 +88,7 @@ CASES = [
 def test_documents_and_traces_are_those_of_the_simulator(tmp_path, machine, program, asked, options):
     document = printed("--machine", TABLES / machine, "--program", program, *options,
                        "--report", tmp_path, "--trace-every", 7)
-    found = trueaxis.simulate(mill(machine), trueaxis.Program.load(program), trace_every=7, **asked)
+    found = trueaxis.simulate(mill(machine), trueaxis.Program.load(program), trace_every=7, **asked).to_dict()
     traces = found.pop("trace")
     assert found == document
     assert traces.keys() == found["digest"].keys()

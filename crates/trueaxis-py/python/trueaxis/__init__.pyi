@@ -5,7 +5,10 @@ from typing import Any, ClassVar, Literal, Protocol, TypedDict, final, type_chec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Error", "NeedsPerson", "__version__", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "calibrate_plan", "calibrate_solve", "keep_plan", "keep_begin", "keep_check", "keep_apply", "keep_undo", "keep_history", "thermal_fit", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate"]
+from ._results import Figure as Figure, Result as Result, Section as Section
+from ._types import *
+
+__all__ = ["Error", "NeedsPerson", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "calibrate_plan", "calibrate_solve", "keep_plan", "keep_begin", "keep_check", "keep_apply", "keep_undo", "keep_history", "thermal_fit", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate", "accuracy", "__version__", "Figure", "Result", "Section", "Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "Uncertainty", "Helicoid", "Run"]
 
 __version__: str
 
@@ -48,6 +51,9 @@ class Machine:
     def model(self) -> str: ...
     @property
     def columns(self) -> list[str]: ...
+    def compile(self, *, rate_hz: float = 10000.0) -> bytes: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
     def error(
         self,
         positions: ArrayLike | Frame,
@@ -100,7 +106,7 @@ class Machine:
         confidence: float = 95.0,
         trials: int = 10_000,
         seed: int = 1,
-    ) -> dict[str, Any]: ...
+    ) -> Uncertainty: ...
 
 @final
 class Path:
@@ -168,8 +174,8 @@ def simulate(
     learned: str | PathLike[str] | None = None,
     kinds: Sequence[Literal["uncompensated", "compensated", "servo_only", "full", "configured"]] | None = None,
     trace_every: int | None = None,
-) -> dict[str, Any]: ...
-def helicoid(*, gcode: bool = False, **request: Any) -> dict[str, Any]: ...
+) -> Run: ...
+def helicoid(*, gcode: bool = False, **request: Any) -> Helicoid: ...
 def identify(
     readings: ArrayLike | Frame | str | PathLike[str],
     *,
@@ -178,7 +184,7 @@ def identify(
     start_mm: Sequence[float] | None = None,
     free_offsets: bool = False,
     table: bool = False,
-) -> dict[str, Any]: ...
+) -> Identification: ...
 def friction(
     record: ArrayLike | Frame | str | PathLike[str],
     *,
@@ -187,7 +193,7 @@ def friction(
     find_drive: bool = False,
     read_after_us: float | None = None,
     toml: bool = False,
-) -> dict[str, Any]: ...
+) -> Friction: ...
 def ballbar(
     record: ArrayLike | Frame | str | PathLike[str],
     *,
@@ -199,11 +205,11 @@ def ballbar(
     machine: Machine | None = None,
     compensated: bool = False,
     traces: bool = False,
-) -> dict[str, Any]: ...
-def calibrate_plan(task: str | PathLike[str]) -> dict[str, Any]: ...
-def calibrate_solve(task: str | PathLike[str], log: str | PathLike[str], *, files: bool = False, force: bool = False) -> dict[str, Any]: ...
-def keep_plan(task: str | PathLike[str]) -> dict[str, Any]: ...
-def keep_begin(task: str | PathLike[str], log: str | PathLike[str], *, time: str | None = None, parts: int | None = None) -> dict[str, Any]: ...
+) -> Ballbar: ...
+def calibrate_plan(task: str | PathLike[str]) -> CalibrationPlan: ...
+def calibrate_solve(task: str | PathLike[str], log: str | PathLike[str], *, files: bool = False, force: bool = False) -> Calibration: ...
+def keep_plan(task: str | PathLike[str]) -> KeepPlan: ...
+def keep_begin(task: str | PathLike[str], log: str | PathLike[str], *, time: str | None = None, parts: int | None = None) -> Reprobing: ...
 def keep_check(
     task: str | PathLike[str],
     log: str | PathLike[str],
@@ -213,7 +219,7 @@ def keep_check(
     accept: Sequence[str] = ...,
     by_hand: bool = False,
     files: bool = False,
-) -> dict[str, Any]: ...
+) -> Reprobing: ...
 def keep_apply(
     task: str | PathLike[str],
     log: str | PathLike[str],
@@ -222,7 +228,7 @@ def keep_apply(
     parts: int | None = None,
     accept: Sequence[str] = ...,
     by_hand: bool = False,
-) -> dict[str, Any]: ...
+) -> Reprobing: ...
 def keep_undo(task: str | PathLike[str], entry: int | None = None, *, time: str | None = None, by_hand: bool = False) -> dict[str, Any]: ...
 def keep_history(task: str | PathLike[str]) -> list[dict[str, Any]]: ...
 def thermal_fit(
@@ -232,26 +238,26 @@ def thermal_fit(
     hold_out: Sequence[int] = ...,
     without: Sequence[str] = ...,
     toml: bool = False,
-) -> dict[str, Any]: ...
+) -> ThermalFit: ...
 def evaluate_probing(
     record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
     *,
     feature: Literal["ring", "sphere", "point"],
     diameter_mm: float | None = None,
-) -> dict[str, Any]: ...
+) -> Probing: ...
 def evaluate_thermal(
     record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
     *,
     test: Literal["etve", "spindle", "axis"] = "spindle",
     period_min: float = 60.0,
     distance_mm: float | None = None,
-) -> dict[str, Any]: ...
+) -> ThermalTest: ...
 def evaluate_step_diagonal(
     record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
     *,
     alignment_urad: float | None = None,
     machine: Machine | None = None,
-) -> dict[str, Any]: ...
+) -> StepDiagonal: ...
 def evaluate_r_test(
     record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
     *,
@@ -259,15 +265,24 @@ def evaluate_r_test(
     tool_mm: Sequence[float] | None = None,
     without: Sequence[str] = ...,
     free_sensor: bool = False,
-) -> dict[str, Any]: ...
+) -> RTest: ...
 def evaluate_points(
     record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
     *,
     machine: Machine,
     nodes: Sequence[int] | None = None,
     without: Sequence[str] = ...,
-) -> dict[str, Any]: ...
-def circle(points: ArrayLike | Frame) -> dict[str, Any]: ...
+) -> MeasuredPoints: ...
+def accuracy(
+    record: str | PathLike[str],
+    *,
+    axis: Literal["X", "Y", "Z", "A", "B", "C"] | None = None,
+    machine: Machine | None = None,
+    instrument: Machine | None = None,
+    tolerance_um: float | None = None,
+    confidence: float = 95.0,
+) -> Accuracy: ...
+def circle(points: ArrayLike | Frame) -> Circle: ...
 def roundness(
     readings: ArrayLike,
     *,
@@ -281,7 +296,7 @@ def roundness(
     upr: int | None = None,
     noise_gain_limit: float = ...,
     theta_deg: ArrayLike | None = None,
-) -> dict[str, Any]: ...
+) -> Roundness: ...
 def probe_angles(
     *,
     n: int,
@@ -291,4 +306,4 @@ def probe_angles(
     phi2_deg: float | None = None,
     phi3_deg: float | None = None,
     count: int = ...,
-) -> dict[str, Any]: ...
+) -> ProbeAngles: ...
