@@ -49,7 +49,7 @@ impl<'c, const N: usize> Inputs<'c, N> {
         Ok(Inputs {
             scenario,
             motion,
-            axes: AxisOrder::<N>::of(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?.axes(),
+            axes: AxisOrder::<N>::with_spare_slots(&scenario.machine.settings).map_err(|e| anyhow!("{e}"))?.axes(),
             setpoints: motion.setpoints(&scenario.program),
             path: SlidingPath::new(scenario),
             span: 0,
@@ -98,7 +98,7 @@ impl<'c, const N: usize> Inputs<'c, N> {
     }
 }
 
-/// Runs `cycles` steps of the scenario's program, repeating it, with a deviation of a few micrometres on the readings.
+/// Runs `cycles` steps, on `N` slots, of the scenario's program, repeating it, with a deviation of a few micrometres on the readings.
 ///
 /// # Errors
 /// The machine's tables do not build.

@@ -5,10 +5,10 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use trueaxis::HostServo;
 use trueaxis::contour::{Path, Span};
 use trueaxis::tcomp::Tcomp;
 use trueaxis::telemetry::{FRAME_BYTES, Frame};
+use trueaxis::{HostServo, Input};
 use trueaxis_recording::{RecordedCycle, Recording};
 use trueaxis_sim::SimError;
 use trueaxis_sim::servo::{self, Axes, Compiled};
@@ -58,10 +58,10 @@ pub(crate) fn replay(args: &ReplayArgs) -> Result<()> {
     let (recording, bytes) = (read(&args.recording)?, read(&args.tables)?);
     let tables = Tcomp::parse(&bytes).map_err(|error| anyhow!("{}: {error}", args.tables.display()))?;
     let sent = match tables.settings().step_axes().count() {
-        3 => rows::<3>(args, &recording, &tables),
-        4 => rows::<4>(args, &recording, &tables),
-        5 => rows::<5>(args, &recording, &tables),
-        _ => rows::<6>(args, &recording, &tables),
+        3 => rows::<3, 3>(args, &recording, &tables),
+        4 => rows::<4, 6>(args, &recording, &tables),
+        5 => rows::<5, 6>(args, &recording, &tables),
+        _ => rows::<6, 6>(args, &recording, &tables),
     }?;
     if let Some(output) = &args.output {
         outputs.put(output, sent.rows.as_bytes())?;
@@ -83,9 +83,10 @@ struct Sent {
     frames: Vec<u8>,
 }
 
-fn rows<const N: usize>(args: &ReplayArgs, bytes: &[u8], tables: &Tcomp<'_>) -> Result<Sent>
+/// Replays a recording of `N` axes on a step with `SLOTS` slots.
+fn rows<const N: usize, const SLOTS: usize>(args: &ReplayArgs, bytes: &[u8], tables: &Tcomp<'_>) -> Result<Sent>
 where
-    Axes: Compiled<N>,
+    Axes: Compiled<SLOTS>,
 {
     let file = args.recording.display();
     let recording = Recording::<N>::parse(bytes).map_err(|error| anyhow!("{file}: {error}"))?;
@@ -114,9 +115,13 @@ where
     Ok(sent)
 }
 
-fn run<const N: usize>(recording: &Recording<'_, N>, servo: &HostServo<'_, N>, sent: &mut Sent) -> Result<()>
+fn run<const N: usize, const SLOTS: usize>(
+    recording: &Recording<'_, N>,
+    servo: &HostServo<'_, SLOTS>,
+    sent: &mut Sent,
+) -> Result<()>
 where
-    Axes: Compiled<N>,
+    Axes: Compiled<SLOTS>,
 {
     let spans: Vec<Span<f64, f64>> = recording.path().collect();
     let path = Path::new(&spans, 0, false);
@@ -125,12 +130,13 @@ where
     let text = &mut sent.rows;
     for number in 0..recording.header().cycles {
         let Some(cycle) = recording.cycle(number) else { break };
-        let input = cycle.input::<f64>();
+        let input = in_slots::<N, SLOTS>(&cycle.input::<f64>());
         let output = servo::step(servo, &mut state, &input, &mut path.on(cycle.place::<f64>()), &mut ());
-        for value in input.command.iter().chain(&input.feedback).chain(&output.drive) {
+        for value in [input.command, input.feedback, output.drive].iter().flat_map(|slots| &slots[..N]) {
             write!(text, "{value},")?;
         }
-        let frame = Frame::of(&output.record);
+        let mut frame = Frame::of(&output.record);
+        frame.axes.truncate(N);
         sent.frames.extend_from_slice(frame.encode(&mut buffer).context("a record that fits no frame")?);
         let RecordedCycle { elapsed_ns, homed, enable, reset, encoder_alarm, .. } = cycle;
         let [homed, enable, reset] = [homed, enable, reset].map(u8::from);
@@ -138,4 +144,14 @@ where
         writeln!(text, "{elapsed_ns},{homed},{enable},{reset},{encoder_alarm},{limited},{fault}")?;
     }
     Ok(())
+}
+
+/// The input of a step that has spare slots.
+fn in_slots<const N: usize, const SLOTS: usize>(input: &Input<f64, N>) -> Input<f64, SLOTS> {
+    let mut wide = Input::at_rest(input.elapsed_ns);
+    wide.command[..N].copy_from_slice(&input.command);
+    wide.feedback[..N].copy_from_slice(&input.feedback);
+    let Input { command: _, feedback: _, encoder_alarm, elapsed_ns, homed, enable, reset, refusal, dynamics, learned } =
+        *input;
+    Input { encoder_alarm, elapsed_ns, homed, enable, reset, refusal, dynamics, learned, ..wide }
 }

@@ -6,6 +6,7 @@ mod naca2415;
 mod nine_terms_against_exact_geometry;
 mod robustness;
 mod scripts;
+mod spare_slots;
 mod stability;
 mod telemetry;
 mod trial;

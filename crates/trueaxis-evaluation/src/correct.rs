@@ -69,12 +69,13 @@ pub struct CorrectionAt {
     pub clipped: Clipped,
 }
 
-/// Error and correction under the machine's own model at a position; `N` axes of the step.
+/// Error and correction under the machine's own model at a position; `N` slots of the step.
 ///
 /// # Errors
-/// More or fewer axes than `N`; anything that the model refuses.
+/// More axes than `N`; anything that the model refuses.
 pub fn at<const N: usize>(machine: &Machine, asked: &Asked) -> Result<CorrectionAt> {
-    let axes = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
+    let axes = AxisOrder::<N>::with_spare_slots(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
+    let own = &axes[..machine.settings.step_axes().count()];
     let (whole, correction, clamped) = look_up(machine, &axes, asked, passes(machine, None)?)?;
     let error = |without: &Machine| Ok(look_up(without, &axes, asked, 1)?.0.tip.into());
     let (found, rest) = shares(machine, Source::axes(machine), whole.tip.into(), error)?;
@@ -83,14 +84,14 @@ pub fn at<const N: usize>(machine: &Machine, asked: &Asked) -> Result<Correction
     let mut found = CorrectionAt {
         at: asked.at,
         tip: whole.tip.into(),
-        orientation: (N > 3 && machine.settings.compensation.model == ErrorModel::Volumetric)
+        orientation: (own.len() > 3 && machine.settings.compensation.model == ErrorModel::Volumetric)
             .then_some(whole.orientation.into()),
         correction: [0.0; AXES],
         contributions,
-        clamped: (0..N).filter(|slot| clamped >> slot & 1 == 1).map(|slot| axes[slot]).collect(),
+        clamped: (0..own.len()).filter(|slot| clamped >> slot & 1 == 1).map(|slot| own[slot]).collect(),
         out_of_travel: Vec::new(),
         clipped: Clipped::default(),
-        axes: axes.to_vec(),
+        axes: own.to_vec(),
     };
     for (axis, correction) in axes.into_iter().zip(correction) {
         found.correction[axis.index()] = correction;

@@ -88,14 +88,13 @@ pub(crate) fn compensation<'m, const N: usize>(
     Compensation::build(&machine.settings, rows, &machine.grids(), passes, memory).map_err(|error| anyhow!("{error}"))
 }
 
-/// Calls a function generic over the number of axes of the step with that number.
+/// Calls a function generic over the number of slots of the step with that for so many axes: three for three, six for more,
+/// some of them spare ([`AxisOrder::with_spare_slots`](trueaxis::machine::AxisOrder::with_spare_slots)).
 #[macro_export]
 macro_rules! by_axes {
     ($count:expr, $($function:ident)::+ ($($argument:expr),*)) => {
         match $count {
             3 => $($function)::+::<3>($($argument),*),
-            4 => $($function)::+::<4>($($argument),*),
-            5 => $($function)::+::<5>($($argument),*),
             _ => $($function)::+::<6>($($argument),*),
         }
     };

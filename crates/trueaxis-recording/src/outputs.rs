@@ -81,6 +81,15 @@ pub const LINE_BYTES: usize = line_bytes::<f64>(6, true);
 
 /// The bytes of a cycle; `infeed` of the gauge, if any.
 pub fn line<R: Wire, const N: usize>(output: &Output<R, R::Place, N>, infeed: Option<R>) -> Vec<u8, LINE_BYTES> {
+    line_of_axes(output, N, infeed)
+}
+
+/// [`line()`] of a step with spare slots, of whose slots the first `axes` are written.
+pub(crate) fn line_of_axes<R: Wire, const N: usize>(
+    output: &Output<R, R::Place, N>,
+    axes: usize,
+    infeed: Option<R>,
+) -> Vec<u8, LINE_BYTES> {
     let record = &output.record;
     let mut line = Vec::new();
     let mut add = |bytes: &[u8]| {
@@ -99,11 +108,11 @@ pub fn line<R: Wire, const N: usize>(output: &Output<R, R::Place, N>, infeed: Op
         record.tip.flags.bits(),
         0,
     ]);
-    for place in output.drive.iter().chain(&output.feedback) {
+    for place in output.drive.iter().take(axes).chain(output.feedback.iter().take(axes)) {
         R::put_place(*place, &mut add);
     }
     let errors = [record.tip.error, record.tip.lag, record.encoder.error];
-    for scalar in record.correction.iter().chain(&errors).chain(&infeed) {
+    for scalar in record.correction.iter().take(axes).chain(&errors).chain(&infeed) {
         scalar.put(&mut add);
     }
     line

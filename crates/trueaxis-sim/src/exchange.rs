@@ -39,10 +39,8 @@ pub struct Exchanged {
 /// # Errors
 /// Tables that do not compile or build.
 pub fn in_motion(old: &Machine, new: &Machine, about: [f64; AXES]) -> Result<Exchanged> {
-    match old.settings.axes.len() {
+    match old.settings.step_axes().count() {
         3 => of::<3>(old, new, about),
-        4 => of::<4>(old, new, about),
-        5 => of::<5>(old, new, about),
         _ => of::<6>(old, new, about),
     }
 }
@@ -53,7 +51,7 @@ where
 {
     with_loop::<N, _, _>(old, PERIOD_NS, |first| {
         with_loop::<N, _, _>(new, PERIOD_NS, |second| {
-            let axes = AxisOrder::<N>::of(&old.settings)?.axes();
+            let axes = AxisOrder::<N>::with_spare_slots(&old.settings)?.axes();
             let limits = axes.map(|axis| old.settings.axis(axis).map(|own| own.limits));
             let period_s = 1e-9 * f64::from(PERIOD_NS);
             let command = |cycle: u32| {

@@ -4,13 +4,17 @@ use crate::error::{Result, SimError};
 use self_cell::{MutBorrow, self_cell};
 use trueaxis::compensation::requirement;
 use trueaxis::tcomp::Tcomp;
-use trueaxis::{ConfigError, Input, Measure, Output, Position, Real, Ride, ServoLoop, State};
+use trueaxis::{Config, ConfigError, Input, Measure, Output, Position, Real, Ride, ServoLoop, State};
 use trueaxis_tables::Machine;
 
-/// A servo loop's construction and its step, compiled here once for each number of axes. Programs that simulate call these
-/// instead of compiling their own copies.
+/// A servo loop's construction and its step, compiled here once for three slots and once for six. Programs that simulate
+/// call these instead of compiling their own copies.
+///
+/// A machine without rotary axes runs on three slots. Any other runs on six, some of them spare
+/// ([`AxisOrder::with_spare_slots`](trueaxis::machine::AxisOrder::with_spare_slots)): its outputs are those of a step with as
+/// many slots as it has axes, to the bit.
 pub trait Compiled<const N: usize> {
-    /// [`ServoLoop::load`].
+    /// [`ServoLoop::load`], with spare slots.
     ///
     /// # Errors
     /// As [`ServoLoop::load`].
@@ -30,7 +34,7 @@ pub trait Compiled<const N: usize> {
     ) -> Output<f64, f64, N>;
 }
 
-/// Three to six axes.
+/// Three or six slots.
 #[derive(Clone, Copy, Debug)]
 pub struct Axes;
 
@@ -67,7 +71,7 @@ pub fn with_tables<R: Real, P: Position, const N: usize, T, E: From<SimError>>(
     user(&servo)
 }
 
-/// One servo cycle, using the single compiled copy of the step for `N` axes.
+/// One servo cycle, using the compiled copy of the step with `N` slots.
 pub fn step<const N: usize>(
     servo: &ServoLoop<'_, f64, f64, N>,
     state: &mut State<f64, f64, N>,
@@ -95,7 +99,7 @@ pub(crate) struct Lent {
     memory: MutBorrow<Vec<f64>>,
 }
 
-/// `self_cell` does not support generic cells: one for each number of axes.
+/// `self_cell` does not support generic cells: one for each number of slots.
 macro_rules! owned {
     ($module:ident, $axes:literal) => {
         pub(crate) mod $module {
@@ -109,7 +113,7 @@ macro_rules! owned {
                     period_ns: u32,
                     memory: &'a mut [f64],
                 ) -> core::result::Result<Loop<'a>, ConfigError> {
-                    ServoLoop::load(tcomp, period_ns, memory)
+                    Config::of(tcomp, period_ns).build_with_spare_slots(tcomp.rows(), memory)
                 }
 
                 fn step(
@@ -150,6 +154,4 @@ macro_rules! owned {
 }
 
 owned!(three, 3);
-owned!(four, 4);
-owned!(five, 5);
 owned!(six, 6);

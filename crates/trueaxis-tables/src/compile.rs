@@ -5,7 +5,7 @@ use trueaxis::Config;
 use trueaxis::check::{self, Spread};
 use trueaxis::contour::Method;
 use trueaxis::error::{ConfigError, Field};
-use trueaxis::machine::{Axis, Row};
+use trueaxis::machine::{AXES, Axis, Row};
 use trueaxis::tcomp::{
     MAGIC, Stored, TableHeader, VERSION, VERSION_WITHOUT_ADDITIONS, VERSION_WITHOUT_ENCODERS, VERSION_WITHOUT_GRIDS,
     additions, checksum, machine_id, notch,
@@ -128,17 +128,8 @@ pub fn build(machine: &Machine, rate_hz: f64) -> Result<(), ConfigError> {
         inverse_passes,
         method: Method::Guarded,
     };
-    match machine.settings.step_axes().count() {
-        3 => build_with::<3>(machine, &config),
-        4 => build_with::<4>(machine, &config),
-        5 => build_with::<5>(machine, &config),
-        _ => build_with::<6>(machine, &config),
-    }
-}
-
-fn build_with<const N: usize>(machine: &Machine, config: &Config<'_, '_>) -> Result<(), ConfigError> {
     let rows = |axis| machine.rows(axis);
     let scalars = config.requirement(rows);
-    config.build::<f32, f64, N, _>(rows, &mut vec![0.0; scalars])?;
-    config.build::<f64, f64, N, _>(rows, &mut vec![0.0; scalars]).map(|_| ())
+    config.build_with_spare_slots::<f32, f64, AXES, _>(rows, &mut vec![0.0; scalars])?;
+    config.build_with_spare_slots::<f64, f64, AXES, _>(rows, &mut vec![0.0; scalars]).map(|_| ())
 }

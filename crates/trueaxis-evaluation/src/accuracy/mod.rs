@@ -129,7 +129,7 @@ pub fn evaluate(
 
 /// The deviations minus the error that the machine's own look-up gives for the axis alone, in the direction of approach.
 fn after<const N: usize>(tables: &Machine, measurement: &Measurement) -> Result<Accuracy> {
-    let axes = AxisOrder::<N>::of(&tables.settings).map_err(|error| anyhow!("{error}"))?.axes();
+    let axes = AxisOrder::<N>::with_spare_slots(&tables.settings).map_err(|error| anyhow!("{error}"))?.axes();
     let slot = axes.iter().position(|a| *a == measurement.axis).context("the axis is not in the machine")?;
     with_compensation::<N, _>(tables, 1, |compensation| {
         let own = |position: f64, direction: Direction| {

@@ -7,13 +7,13 @@ use trueaxis::compensation::{Compensation, Query, ThermalLine};
 use trueaxis::machine::{AXES, AxisOrder};
 use trueaxis_tables::Machine;
 
-/// Builds the model of a machine with `N` axes of the step, in `memory`.
+/// Builds the model of a machine on `N` slots of the step, in `memory`.
 pub(super) fn model<'m, const N: usize>(
     machine: &'m Machine,
     settings: &Settings,
     memory: &'m mut Vec<f64>,
 ) -> Result<Box<dyn Model + 'm>> {
-    let axes = AxisOrder::<N>::of(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
+    let axes = AxisOrder::<N>::with_spare_slots(&machine.settings).map_err(|error| anyhow!("{error}"))?.axes();
     let passes = passes(machine, settings.passes)?;
     let thermal = thermal(machine, &axes, settings.kelvin);
     let compensation = compensation::<N>(machine, passes, memory)?;

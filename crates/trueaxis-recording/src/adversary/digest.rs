@@ -1,6 +1,6 @@
 //! A digest of outputs.
 
-use crate::outputs::{Wire, line};
+use crate::outputs::{Wire, line_of_axes};
 use trueaxis::Output;
 
 /// Digest of the bytes of every output, in order: two runs with equal digests gave the same bits, except for a chance of one
@@ -17,12 +17,17 @@ impl Default for Digest {
 impl Digest {
     /// Adds an output: its line from [`crate::outputs`], both contour errors in full, and the dynamic correction's parts.
     pub fn add<R: Wire, const N: usize>(&mut self, output: &Output<R, R::Place, N>) {
+        self.add_axes(output, N);
+    }
+
+    /// [`Digest::add`] of a step with spare slots, of whose slots the first `axes` count: the digest is that of a step
+    /// without them.
+    pub fn add_axes<R: Wire, const N: usize>(&mut self, output: &Output<R, R::Place, N>, axes: usize) {
         let record = &output.record;
-        self.bytes(&line(output, None));
+        self.bytes(&line_of_axes(output, axes, None));
         if let Some(parts) = &record.dynamic {
-            let wanted = parts.feed_forward.iter().chain(&parts.feedback).chain(&parts.crosstalk).chain(&parts.learned);
-            for scalar in parts.sent.iter().chain(wanted) {
-                scalar.put(|bytes| self.bytes(bytes));
+            for list in [&parts.sent, &parts.feed_forward, &parts.feedback, &parts.crosstalk, &parts.learned] {
+                list.iter().take(axes).for_each(|scalar| scalar.put(|bytes| self.bytes(bytes)));
             }
         }
         for error in [&record.tip, &record.encoder] {

@@ -12,9 +12,6 @@ use trueaxis_metrology::identification::{Ball, Identified};
 use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::{Machine, Table, compile};
 
-/// X, Y, Z, A, C.
-const N: usize = 5;
-
 /// Table of an axis from its stops; the table of a full circle is closed with its first line.
 ///
 /// Each cycle sees both axes: C's sees the constant errors of A at 0, turned with C, and A's those of C at 0. The errors that
@@ -69,18 +66,18 @@ pub(super) fn tip_errors(
     let tcomp = Tcomp::parse(&bytes)?;
     let rows = tcomp.rows();
     let mut memory = vec![0.0; requirement(tcomp.settings(), rows)];
-    let compensation: Compensation<'_, f64, f64, N> =
+    let compensation: Compensation<'_, f64, f64, AXES> =
         Compensation::build(tcomp.settings(), rows, tcomp.grids(), tcomp.inverse_passes(), &mut memory)?;
-    let axes = AxisOrder::<N>::of(tcomp.settings())?.axes();
+    let axes = AxisOrder::<AXES>::with_spare_slots(tcomp.settings())?.axes();
     let slots = axes.map(|axis| super::place(plant, axis));
 
     let mut errors = Vec::with_capacity(cycle.judged_deg.len());
     for &angle_deg in &cycle.judged_deg {
         let position = cycle.position(plant, ball, angle_deg)?;
-        let command: [f64; N] = slots.map(|slot| slot.map_or(0.0, |slot| position[slot]));
+        let command: [f64; AXES] = slots.map(|slot| slot.map_or(0.0, |slot| position[slot]));
         let at = compensation.coordinates(&command);
-        let thermal = [ThermalLine::default(); N];
-        let correction = compensation.correction(&Query::at(&at, &[Direction::POSITIVE; N], &thermal), &mut 0);
+        let thermal = [ThermalLine::default(); AXES];
+        let correction = compensation.correction(&Query::at(&at, &[Direction::POSITIVE; AXES], &thermal), &mut 0);
         let mut sent: [f64; AXES] = position;
         for (slot, correction) in slots.into_iter().zip(correction) {
             if let Some(slot) = slot {

@@ -15,10 +15,8 @@ pub(super) fn with_correction<T>(
     known: &Machine,
     user: impl FnOnce(&Sent<'_>) -> Result<T>,
 ) -> Result<T> {
-    match truth.axes.len() {
+    match truth.step_axes().count() {
         3 => of::<3, T>(truth, known, user),
-        4 => of::<4, T>(truth, known, user),
-        5 => of::<5, T>(truth, known, user),
         _ => of::<6, T>(truth, known, user),
     }
 }
@@ -35,7 +33,7 @@ fn of<const N: usize, T>(
     let compensation: Compensation<'_, f64, f64, N> =
         Compensation::build(tcomp.settings(), rows, tcomp.grids(), tcomp.inverse_passes(), &mut memory)?;
     let place = |axis| truth.axes.iter().position(|own| own.axis == axis);
-    let slots = AxisOrder::<N>::of(tcomp.settings())?.axes().map(place);
+    let slots = AxisOrder::<N>::with_spare_slots(tcomp.settings())?.axes().map(place);
     let thermal = [ThermalLine::default(); N];
     user(&|position, reverse| {
         let command: [f64; N] = slots.map(|slot| slot.map_or(0.0, |slot| position[slot]));

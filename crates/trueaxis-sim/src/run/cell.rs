@@ -79,7 +79,7 @@ where
         servo: &ServoLoop<'_, f64, f64, N>,
         about: &About<N>,
     ) -> Result<Self> {
-        let slots = AxisOrder::<N>::of(&scenario.machine.settings)?;
+        let slots = AxisOrder::<N>::with_spare_slots(&scenario.machine.settings)?;
         let axes = slots.axes();
         let perfect = kind == Kind::ServoOnly;
         let mut settings = scenario.settings.plant(scenario.kelvin);
@@ -253,7 +253,7 @@ where
     ) -> Sample {
         let running = self.stopped_for == 0;
         let stepped = self.exchange((number, false), commanded, shared, sink);
-        self.sums.digest.add(&stepped.output);
+        self.sums.digest.add_axes(&stepped.output, shared.scenario.machine.settings.step_axes().count());
         let record = &stepped.output.record;
         if stepped.output.stop_requested() {
             self.sums.stopped = true;

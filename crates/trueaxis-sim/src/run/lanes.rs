@@ -1,4 +1,4 @@
-//! The machines of a run side by side, for one number of axes.
+//! The machines of a run side by side, for one number of slots of the step.
 
 use super::Driven;
 use super::cell::{Cell, Shared};
@@ -22,7 +22,7 @@ use trueaxis_tables::Machine;
 /// caches to itself for a while, few enough to fit in them.
 const BLOCK: usize = 256;
 
-/// A run whose number of axes is not part of its type.
+/// A run whose number of slots is not part of its type.
 pub(super) trait Advance {
     fn advance(&mut self, cycles: u64, sink: &mut dyn Sink) -> bool;
     fn cycle(&self) -> u64;
@@ -212,7 +212,7 @@ where
     }
 }
 
-// The functions below do not depend on the number of axes, so they are compiled once.
+// The functions below do not depend on the number of slots, so they are compiled once.
 
 /// The machine of that name among those that provide tables for an exchange.
 fn named<'m>(machines: &'m BTreeMap<String, Machine>, name: &str) -> Result<&'m Machine> {

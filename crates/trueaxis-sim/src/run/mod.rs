@@ -81,8 +81,6 @@ impl Run {
         path::check(&scenario)?;
         Ok(Run(match scenario.machine.settings.step_axes().count() {
             3 => Lanes::<servo::three::Cell, 3>::boxed(scenario, motion, machines)?,
-            4 => Lanes::<servo::four::Cell, 4>::boxed(scenario, motion, machines)?,
-            5 => Lanes::<servo::five::Cell, 5>::boxed(scenario, motion, machines)?,
             _ => Lanes::<servo::six::Cell, 6>::boxed(scenario, motion, machines)?,
         }))
     }

@@ -51,7 +51,7 @@ impl<S: Owned<N>, const N: usize> Plugin<S, N> {
         let warmer = scenario.machine.settings.reference_temperature_c - machine.settings.reference_temperature_c;
         let kelvin = scenario.kelvin + warmer;
         let mut thermal = [ThermalLine::default(); N];
-        for (line, axis) in thermal.iter_mut().zip(AxisOrder::<N>::of(&machine.settings)?.axes()) {
+        for (line, axis) in thermal.iter_mut().zip(AxisOrder::<N>::with_spare_slots(&machine.settings)?.axes()) {
             if let Some(settings) = machine.settings.axis(axis) {
                 *line = ThermalLine::for_axis(&settings.thermal, kelvin).ok_or_else(|| {
                     let what = format!("thermal growth of axis {}", axis.letter());

@@ -77,8 +77,6 @@ pub(super) fn with_nine_terms<T>(
 ) -> Result<T, ConfigError> {
     match machine.settings.step_axes().count() {
         3 => with_step::<3, T>(machine, user),
-        4 => with_step::<4, T>(machine, user),
-        5 => with_step::<5, T>(machine, user),
         _ => with_step::<6, T>(machine, user),
     }
 }
@@ -90,8 +88,8 @@ fn with_step<const N: usize, T>(
     let rows = |axis: Axis| machine.rows(axis);
     let mut memory = vec![0.0; requirement(&machine.settings, rows)];
     let compensation = Compensation::<f64, f64, N>::build(&machine.settings, rows, &machine.grids(), 1, &mut memory)?;
-    // A step always has X, Y and Z; a machine need not.
-    let slots: [Option<usize>; N] = AxisOrder::<N>::of(&machine.settings)?
+    // The step has slots for axes that the machine does not have.
+    let slots: [Option<usize>; N] = AxisOrder::<N>::with_spare_slots(&machine.settings)?
         .axes()
         .map(|axis| machine.settings.axes.iter().position(|own| own.axis == axis));
     let tip = |position: &[f64; AXES], reverse: &[f64; AXES]| {

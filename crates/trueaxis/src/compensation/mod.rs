@@ -95,7 +95,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         passes: u8,
         memory: &'a mut [R],
     ) -> Result<Self, ConfigError> {
-        Self::build_in(&AxisOrder::of(machine)?, machine, rows, grids, passes, memory)
+        Self::build_in(&AxisOrder::with_spare_slots(machine)?, machine, rows, grids, passes, memory)
     }
 
     /// [`Compensation::build`] with a known order of the axes.

@@ -18,7 +18,21 @@ impl<const N: usize> AxisOrder<N> {
     /// # Errors
     /// The machine has more or fewer rotary axes than `N − 3`.
     pub fn of(machine: &MachineSettings) -> Result<Self, ConfigError> {
-        let mut found = machine.step_axes();
+        Self::filled(machine.step_axes())
+    }
+
+    /// The order of a machine's axes in a step that may have more slots: the spare ones come last and hold rotary axes that
+    /// the machine does not have, in alphabetical order.
+    ///
+    /// # Errors
+    /// The machine has more rotary axes than `N − 3`.
+    pub fn with_spare_slots(machine: &MachineSettings) -> Result<Self, ConfigError> {
+        let spare = N.saturating_sub(machine.step_axes().count());
+        let absent = Axis::ALL.into_iter().filter(|axis| axis.is_rotary() && machine.axis(*axis).is_none());
+        Self::filled(machine.step_axes().chain(absent.take(spare)))
+    }
+
+    fn filled(mut found: impl Iterator<Item = Axis>) -> Result<Self, ConfigError> {
         let mut axes = [Axis::X; N];
         for axis in &mut axes {
             *axis = found.next().ok_or(ConfigError::new(Field::Axes, N as f64, "no more axes than the machine has"))?;

@@ -67,6 +67,35 @@ impl<'m, 'g> Config<'m, 'g> {
     where
         'g: 'a,
     {
+        self.build_in(AxisOrder::of, rows, memory)
+    }
+
+    /// [`Config::build`] of a step that may have more slots than the machine has axes
+    /// ([`AxisOrder::with_spare_slots`]): for a host that compiles one step for all machines. Positions in spare slots are
+    /// passed on as they are.
+    ///
+    /// # Errors
+    /// As [`Config::build`].
+    pub fn build_with_spare_slots<'a, 'r, R: Real, P: Position, const N: usize, T: Rows + ?Sized + 'r>(
+        &self,
+        rows: impl Fn(Axis) -> Option<&'r T>,
+        memory: &'a mut [R],
+    ) -> Result<ServoLoop<'a, R, P, N>, ConfigError>
+    where
+        'g: 'a,
+    {
+        self.build_in(AxisOrder::with_spare_slots, rows, memory)
+    }
+
+    fn build_in<'a, 'r, R: Real, P: Position, const N: usize, T: Rows + ?Sized + 'r>(
+        &self,
+        order: fn(&MachineSettings) -> Result<AxisOrder<N>, ConfigError>,
+        rows: impl Fn(Axis) -> Option<&'r T>,
+        memory: &'a mut [R],
+    ) -> Result<ServoLoop<'a, R, P, N>, ConfigError>
+    where
+        'g: 'a,
+    {
         if !(3..=AXES).contains(&N) {
             return Err(ConfigError::new(Field::Axes, N as f64, "3 to 6 axes"));
         }
@@ -77,7 +106,7 @@ impl<'m, 'g> Config<'m, 'g> {
         let rows: &dyn Fn(Axis) -> Option<&'r T> = &rows;
         crate::check::settings(self.machine)?;
         crate::check::grids(self.machine, self.grids)?;
-        let order = AxisOrder::of(self.machine)?;
+        let order = order(self.machine)?;
         let bands = order.settings(self.machine).map(|settings| settings.map_or(0.0, |s| s.hysteresis));
         let compensation = Compensation::build_in(&order, self.machine, rows, self.grids, self.inverse_passes, memory)?;
         let bounds = GridBounds::of(self.grids);

@@ -169,7 +169,8 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         Ok(Volumetric {
             tables,
             at_feedback,
-            own: axes.map(Axis::index),
+            // A spare slot counts as a slide that stands still: as a rotary axis it would narrow the tangents' boxes.
+            own: axes.map(|axis| machine.axis(axis).map_or(axis.index() % 3, |own| own.axis.index())),
             origins,
             datum,
             squareness: Squareness::of(&machine.location),
