@@ -60,9 +60,9 @@ impl Machine {
     ) -> PyResult<Tools<'py>> {
         let asked = self.asked(positions, None, false, false, None)?;
         let kinematics = self.kinematics(tool_mm)?;
+        let positions = asked.positions();
         let (tips, tools, margins) = py.detach(|| {
             let (mut tips, mut tools, mut margins) = (Vec::new(), Vec::new(), Vec::new());
-            let positions = asked.positions();
             for axes in (0..positions.count()).map(|row| positions.at(row)) {
                 let Tool { tip, axis } = kinematics.forward(&axes);
                 tips.extend(tip.to_array());

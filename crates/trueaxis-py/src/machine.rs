@@ -1,9 +1,10 @@
 //! A machine: its errors and corrections.
 
+use crate::arrays::Numbers;
 use crate::measured::Measured;
 use crate::shown::result;
 use crate::{Error, arrays, documents, to_python, warn};
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::collections::BTreeMap;
@@ -11,10 +12,11 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 use trueaxis::machine::{Axis, ErrorModel};
 use trueaxis_evaluation::batch::{self, Positions};
-use trueaxis_evaluation::compensate::{Arrival, PoseError, Settings};
+use trueaxis_evaluation::compensate::{Arrival, Settings};
 use trueaxis_evaluation::correct::position;
 use trueaxis_evaluation::uncertainty::{Options, evaluate};
 use trueaxis_evaluation::{check, model};
+use trueaxis_metrology::cores::*;
 use trueaxis_tables::Additions;
 use trueaxis_tables::files::{Folder, Memory, Source};
 use trueaxis_tables::finding::Decision;
@@ -40,12 +42,11 @@ type Files = BTreeMap<PathBuf, Vec<u8>>;
 type Stated = Option<Uncertainties>;
 
 /// Checked arguments of a look-up.
-pub(crate) struct Asked {
+pub(crate) struct Asked<'py> {
     machine: trueaxis_tables::Machine,
     settings: Settings,
     arrival: Arrival,
-    /// Positions, row by row.
-    values: Vec<f64>,
+    values: Numbers<'py>,
     /// The axis of each column.
     columns: Vec<Axis>,
 }
@@ -225,7 +226,7 @@ impl Machine {
         in_order: bool,
         temperature_c: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.asked(positions, model, reverse, in_order, temperature_c)?.errors(py, |error| error.tip.map(|mm| 1e3 * mm))
+        self.asked(positions, model, reverse, in_order, temperature_c)?.errors(py, |tip, _| tip.map(|mm| 1e3 * mm))
     }
 
     /// Compute the error of the tool's direction at commanded positions: a small rotation, actual − ideal.
@@ -264,7 +265,7 @@ impl Machine {
         temperature_c: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let asked = self.asked(positions, model, reverse, in_order, temperature_c)?.with_orientation()?;
-        asked.errors(py, |error| error.orientation.map(|rad| 1e6 * rad))
+        asked.errors(py, |_, turn| turn.map(|rad| 1e6 * rad))
     }
 
     /// Compute the corrections of commanded positions.
@@ -461,14 +462,14 @@ pub(crate) fn decided(
 
 impl Machine {
     /// Checks the positions of a call against the declared travel.
-    pub(crate) fn asked(
+    pub(crate) fn asked<'py>(
         &self,
-        positions: &Bound<'_, PyAny>,
+        positions: &Bound<'py, PyAny>,
         model: Option<&str>,
         reverse: bool,
         in_order: bool,
         temperature_c: Option<f64>,
-    ) -> PyResult<Asked> {
+    ) -> PyResult<Asked<'py>> {
         let mut machine = self.machine.clone();
         // `trueaxis compensate` without `--orientation` does the same.
         machine.settings.compensation.orientation = false;
@@ -490,11 +491,21 @@ impl Machine {
         let names = self.columns();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let forms: &[&[&str]] = if names.len() == 3 { &[&names] } else { &[&names[..3], &names] };
-        let (width, values) = arrays::named(positions, "positions", forms)?;
+        let (width, values) = arrays::lent(positions, "positions", forms)?;
         columns.truncate(width);
         let travel = |axis: Axis| machine.settings.axis(axis).map(|own| own.travel);
         let travels: Vec<_> = columns.iter().map(|axis| travel(*axis)).collect();
-        for (row, values) in values.chunks_exact(width).enumerate() {
+        let ends: Vec<[f64; 2]> = travels.iter().map(|own| own.unwrap_or([f64::MIN, f64::MAX])).collect();
+        let rows = values.as_slice();
+        // As in the check of the numbers: only a refusal looks for the place.
+        let any = |rows: &[f64]| {
+            let beyond = |any, row: &[f64]| {
+                row.iter().zip(&ends).fold(any, |any, (q, [low, high])| any | (q < low) | (q > high))
+            };
+            rows.chunks_exact(width).fold(false, beyond)
+        };
+        let refused = rows.par_chunks(arrays::CHUNK / width * width).any(any);
+        for (row, values) in rows.chunks_exact(width).enumerate().filter(|_| refused) {
             for (column, (travel, value)) in travels.iter().zip(values).enumerate() {
                 if let Some([low, high]) = travel.filter(|[low, high]| value < low || value > high) {
                     return Err(Error::new_err(format!(
@@ -508,9 +519,9 @@ impl Machine {
     }
 }
 
-impl Asked {
+impl Asked<'_> {
     /// Also corrects the tool's orientation.
-    fn with_orientation(mut self) -> PyResult<Asked> {
+    fn with_orientation(mut self) -> PyResult<Self> {
         if !self.settings.exact && self.machine.settings.compensation.model == ErrorModel::Nine {
             return Err(Error::new_err(
                 "model: found nine, which has no orientation, needed \"volumetric\" or \"exact\"",
@@ -521,48 +532,47 @@ impl Asked {
     }
 
     pub(crate) fn positions(&self) -> Positions<'_> {
-        Positions { values: &self.values, columns: &self.columns }
+        Positions { values: self.values.as_slice(), columns: &self.columns }
     }
 
-    /// Evaluates the part of the error that `of` selects.
+    /// Evaluates what `of` makes of the errors of tip and orientation.
     fn errors<'py>(
         self,
         py: Python<'py>,
-        of: impl Fn(&PoseError) -> [f64; 3] + Sync + Send,
+        of: impl Fn([f64; 3], [f64; 3]) -> [f64; 3] + Sync + Send,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let found = py.detach(|| {
-            let mut errors = vec![[0.0; 3]; self.positions().count()];
-            let arrival = self.arrival.clone();
-            let clamped = batch::errors(&self.machine, &self.settings, arrival, self.positions(), of, &mut errors)?;
-            Ok((errors.into_flattened(), clamped))
-        });
-        let (values, clamped) = to_python(found)?;
-        self.shaped(py, values, clamped, 3)
+        let Asked { machine, settings, .. } = &self;
+        let (arrival, positions) = (self.arrival.clone(), self.positions());
+        written(py, positions.count(), 3, |errors| {
+            batch::errors(machine, settings, arrival, positions, of, errors.as_chunks_mut().0)
+        })
     }
 
     fn corrections<'py>(self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let found = py.detach(|| {
-            let mut values = vec![0.0; self.values.len()];
-            let arrival = self.arrival.clone();
-            let clamped = batch::corrections(&self.machine, &self.settings, arrival, self.positions(), &mut values)?;
-            Ok((values, clamped))
-        });
-        let (values, clamped) = to_python(found)?;
-        self.shaped(py, values, clamped, self.columns.len())
+        let Asked { machine, settings, .. } = &self;
+        let (arrival, positions) = (self.arrival.clone(), self.positions());
+        written(py, positions.count(), self.columns.len(), |corrections| {
+            batch::corrections(machine, settings, arrival, positions, corrections)
+        })
     }
+}
 
-    fn shaped<'py>(
-        &self,
-        py: Python<'py>,
-        values: Vec<f64>,
-        clamped: usize,
-        width: usize,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let count = self.positions().count();
-        if clamped > 0 {
-            let all = counted(count, "position");
-            warn(py, &format!("{clamped} of {all} beyond a table's end, where its edge value is used"))?;
-        }
-        PyArray1::from_vec(py, values).reshape([count, width])
+/// An array of `count` rows that `write` fills without the interpreter's lock, in the array's own memory; `write` returns the
+/// number of positions beyond a table's end.
+fn written<'py>(
+    py: Python<'py>,
+    count: usize,
+    width: usize,
+    write: impl FnOnce(&mut [f64]) -> anyhow::Result<usize> + Send,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let array = PyArray2::<f64>::zeros(py, [count, width], false);
+    let mut results = array.try_readwrite()?;
+    let values = results.as_slice_mut()?;
+    let clamped = to_python(py.detach(|| write(values)))?;
+    drop(results);
+    if clamped > 0 {
+        let all = counted(count, "position");
+        warn(py, &format!("{clamped} of {all} beyond a table's end, where its edge value is used"))?;
     }
+    Ok(array)
 }

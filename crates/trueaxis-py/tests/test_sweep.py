@@ -19,6 +19,7 @@ import trueaxis
 
 HERE = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(HERE / "fleet"))
+import volumes  # noqa: E402
 from sweep import sweep  # noqa: E402
 
 SAMPLES = HERE.parents[1] / "compensation-tables"
@@ -42,6 +43,23 @@ def test_every_number_of_workers_gives_the_same_table():
                               temperature_c=24.0)
     assert dict(zip(row.kind, row.digest)) == alone["digest"]
     assert dict(zip(row.kind, row.contour_max_um)) == {kind: of["max"] for kind, of in alone["contour_error_um"].items()}
+
+
+def test_volumes_of_a_fleet_do_not_depend_on_the_number_of_workers(tmp_path, monkeypatch):
+    monkeypatch.setattr(volumes, "BATCH", 7)
+    machines = [volumes.draw(tmp_path, number) for number in range(30)]
+    (tmp_path / "broken").mkdir()
+    machines.insert(3, tmp_path / "broken")
+    travel = list(volumes.TRAVEL.values())
+    here = volumes.volumes(machines, travel, points=5)
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        client.upload_file(str(HERE / "fleet" / "volumes.py"))
+        pd.testing.assert_frame_equal(here, volumes.volumes(machines, travel, points=5), check_exact=True)
+    assert list(here.machine) == [machine.name for machine in machines] and list(here.index[here.refused.notna()]) == [3]
+    # The largest error is at one of the grid's points.
+    grid = np.stack(np.meshgrid(*(np.linspace(*of, 5) for of in travel)), -1).reshape(-1, 3)
+    errors = trueaxis.Machine.load(machines[20]).error(grid, model="volumetric")
+    assert here.max_um[20] == pytest.approx(max(sum(e * e for e in row) ** 0.5 for row in errors), rel=1e-12)
 
 
 def test_settings_of_a_machine_and_what_is_refused(tmp_path):

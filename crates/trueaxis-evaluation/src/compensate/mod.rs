@@ -84,6 +84,25 @@ pub trait Model: Sync {
     fn correction_and_clamped(&self, at: &Place) -> Result<([f64; AXES], bool), NoCorrection> {
         Ok((self.correction(at)?, self.error(at).clamped))
     }
+
+    /// This model at many positions, if it has a form for them.
+    fn batch(&self) -> Option<&dyn Many> {
+        None
+    }
+}
+
+/// A model at many positions of X, Y, Z, in mm; it has no other axes. The same numbers as one by one.
+pub trait Many: Sync {
+    /// Writes the error of the tip at every position, mm; returns the number of positions beyond a table's end.
+    fn errors(&self, positions: &[[f64; 3]], directions: &[Direction; AXES], tips: &mut [[f64; 3]]) -> usize;
+
+    /// Writes the correction at every position, mm; returns the number of positions beyond a table's end.
+    fn corrections(
+        &self,
+        positions: &[[f64; 3]],
+        directions: &[Direction; AXES],
+        corrections: &mut [[f64; 3]],
+    ) -> usize;
 }
 
 /// How the axes arrive at successive positions.
@@ -101,6 +120,15 @@ impl Arrival {
     /// Arrival in the order of the positions.
     pub fn in_order(machine: &Machine) -> Arrival {
         Arrival::InOrder(Travel::new(machine, Axis::ALL.into_iter()))
+    }
+
+    /// The directions of travel if they are the same at all positions.
+    pub(crate) fn directions(&self) -> Option<[Direction; AXES]> {
+        match self {
+            Arrival::Positive => Some([Direction::POSITIVE; AXES]),
+            Arrival::Negative => Some([Direction::of(true); AXES]),
+            Arrival::InOrder(_) => None,
+        }
     }
 
     /// Arrives at the next position. Cost: in order, one correction per round in which directions settle, usually one.

@@ -1,9 +1,9 @@
 //! The servo step's models: nine terms and twists.
 
-use super::{Model, NoCorrection, Place, PoseError, Settings};
+use super::{Many, Model, NoCorrection, Place, PoseError, Settings};
 use crate::model::{compensation, passes, thermal};
 use anyhow::{Result, anyhow};
-use trueaxis::compensation::{Compensation, Query, ThermalLine};
+use trueaxis::compensation::{Batch, Compensation, Direction, Query, ThermalLine};
 use trueaxis::machine::{AXES, AxisOrder};
 use trueaxis_tables::Machine;
 
@@ -17,7 +17,30 @@ pub(super) fn model<'m, const N: usize>(
     let passes = passes(machine, settings.passes)?;
     let thermal = thermal(machine, &axes, settings.kelvin);
     let compensation = compensation::<N>(machine, passes, memory)?;
-    Ok(Box::new(Step { compensation, thermal, slots: axes.map(|axis| axis.index()) }))
+    let many = compensation.batch().zip(thermal.first_chunk().copied());
+    let many = many.map(|(batch, thermal)| OfSlides { batch, thermal });
+    Ok(Box::new(Step { compensation, thermal, slots: axes.map(|axis| axis.index()), many }))
+}
+
+/// The nine terms of three slides.
+struct OfSlides<'m> {
+    batch: Batch<'m>,
+    thermal: [ThermalLine<f64>; 3],
+}
+
+impl Many for OfSlides<'_> {
+    fn errors(&self, positions: &[[f64; 3]], &[x, y, z, ..]: &[Direction; AXES], tips: &mut [[f64; 3]]) -> usize {
+        self.batch.errors(positions, &[x, y, z], &self.thermal, tips)
+    }
+
+    fn corrections(
+        &self,
+        positions: &[[f64; 3]],
+        &[x, y, z, ..]: &[Direction; AXES],
+        corrections: &mut [[f64; 3]],
+    ) -> usize {
+        self.batch.corrections(positions, &[x, y, z], &self.thermal, corrections)
+    }
 }
 
 struct Step<'m, const N: usize> {
@@ -25,6 +48,7 @@ struct Step<'m, const N: usize> {
     thermal: [ThermalLine<f64>; N],
     /// Index of every axis of the step.
     slots: [usize; N],
+    many: Option<OfSlides<'m>>,
 }
 
 impl<const N: usize> Model for Step<'_, N> {
@@ -44,6 +68,10 @@ impl<const N: usize> Model for Step<'_, N> {
         let (correction, met) = self.corrected(at);
         // The passes also look up positions beside the command.
         Ok((correction, met && self.error(at).clamped))
+    }
+
+    fn batch(&self) -> Option<&dyn Many> {
+        self.many.as_ref().map(|many| many as &dyn Many)
     }
 }
 

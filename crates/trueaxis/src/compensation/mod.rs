@@ -3,6 +3,8 @@
 //! Two models, chosen by the machine's settings: [`NineTerms`], axis-wise and without levers, and [`Volumetric`], the
 //! twist of every axis carried to the tool tip by its lever. Grids over several axes add to either.
 
+#[cfg(feature = "bench")]
+mod batch;
 mod cells;
 mod grid;
 mod key;
@@ -15,6 +17,9 @@ mod thermal;
 pub mod trig;
 pub(crate) mod volumetric;
 
+#[cfg(feature = "bench")]
+#[doc(hidden)]
+pub use batch::Batch;
 pub(crate) use cells::{Cells, InverseEnd, Source, Tables};
 pub(crate) use grid::{CycleGrids, Grids, NearGrids};
 pub use nine::NineTerms;

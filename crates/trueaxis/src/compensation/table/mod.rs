@@ -2,6 +2,8 @@
 
 mod build;
 mod interval;
+#[cfg(feature = "bench")]
+mod many;
 
 use super::reversal::Direction;
 use crate::position::Position;
