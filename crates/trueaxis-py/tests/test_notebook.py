@@ -36,4 +36,4 @@ def test_an_afternoon_makes_a_machine(tmp_path):
     text = (folder / "afternoon/mill/machine.toml").read_text()
     assert text.startswith("# of my own hand") and "expansion_um_per_m_k = 1" in text and "C0Y_urad" in text
     mill = trueaxis.Machine.load(folder / "afternoon/mill")
-    assert mill.table("X")["X_mm"].size == 17 and mill.uncertainty(points=3, trials=500).worst.radius_um > 0
+    assert mill.table("X")["X_mm"].size == 17 and mill.uncertainty(points=3, trials=500).worst.jacobian.radius_um > 0
