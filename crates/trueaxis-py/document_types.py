@@ -27,9 +27,12 @@ TRACES = [("angle_deg", "NDArray[np.float64]", "Angle of every reading, with `tr
           ("left_um", "NDArray[np.float64]", "Residual of the causes, with `traces=True`.")]
 FILES = ("files", "Section", "Changed files of the machine as texts, by name, with `files=True`.")
 TOML = ("toml", "str", "Text of the settings found, with `toml=True`.")
+TRACE = [("theta_deg", "NDArray[np.float64]", "Angles of the trace, of `trace_roundness`."),
+         ("radius_mm", "NDArray[np.float64]", "Radii of the trace as filtered, of `trace_roundness`.")]
+RESIDUALS = ("residuals_um", "NDArray[np.float64]", "Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test.")
 PROGRAM = ("program_text", "str", "Text of the program.")
 RESULTS = [
-    ("Circle", "circle", f"{EVALUATION}/circle/mod.rs", "CircleDocument", []),
+    ("Circle", "circle, trace_roundness", f"{EVALUATION}/circle/mod.rs", "CircleDocument", TRACE),
     ("Roundness", "roundness", f"{EVALUATION}/roundness/document.rs", "RoundnessDocument", ARRAYS),
     ("ProbeAngles", "probe_angles", f"{EVALUATION}/probe_angles.rs", "ProbeAnglesDocument", []),
     ("Accuracy", "accuracy", f"{EVALUATION}/accuracy/mod.rs", "AccuracyDocument", []),
@@ -38,7 +41,7 @@ RESULTS = [
      [WRITTEN, ("table", "str", "The axis' table as CSV text, with `table=True`.")]),
     ("Friction", "friction", f"{EVALUATION}/friction/document.rs", "FrictionDocument", [WRITTEN, TOML]),
     ("ThermalFit", "thermal_fit", f"{EVALUATION}/thermal/document.rs", "ThermalDocument", [TOML]),
-    ("Calibration", "calibrate_solve", f"{EVALUATION}/calibrate/document.rs", "CalibrationDocument", [WRITTEN, FILES]),
+    ("Calibration", "calibrate_solve", f"{EVALUATION}/calibrate/document.rs", "CalibrationDocument", [WRITTEN, FILES, RESIDUALS]),
     ("CalibrationPlan", "calibrate_plan", f"{EVALUATION}/calibrate/foreseen.rs", "Foreseen", [PROGRAM]),
     ("KeepPlan", "keep_plan", f"{EVALUATION}/keep/foreseen.rs", "Foreseen", [PROGRAM]),
     ("Reprobing", "keep_begin, keep_check, keep_apply", f"{EVALUATION}/keep/document.rs", "ReprobingDocument",
@@ -46,11 +49,14 @@ RESULTS = [
     ("Probing", "evaluate_probing", f"{EVALUATION}/probing/document.rs", "ProbingDocument", []),
     ("ThermalTest", "evaluate_thermal", f"{EVALUATION}/thermal_test/document.rs", "ThermalTestDocument", []),
     ("StepDiagonal", "evaluate_step_diagonal", f"{EVALUATION}/diagonal/document.rs", "DiagonalDocument", [WRITTEN]),
-    ("RTest", "evaluate_r_test", f"{EVALUATION}/r_test/document.rs", "RTestDocument", [WRITTEN]),
+    ("RTest", "evaluate_r_test", f"{EVALUATION}/r_test/document.rs", "RTestDocument", [WRITTEN, RESIDUALS]),
     ("MeasuredPoints", "evaluate_points", f"{EVALUATION}/points/document.rs", "PointsDocument", []),
     ("Uncertainty", "Machine.uncertainty", f"{EVALUATION}/uncertainty/document.rs", "UncertaintyDocument", []),
     ("Helicoid", "helicoid", f"{EVALUATION}/helicoid/document.rs", "HelicoidDocument",
      [("program", "str", "Text of the program, with `gcode=True`.")]),
+    ("Learned", "learn", f"{EVALUATION}/learn/document.rs", "LearnDocument",
+     [("table", "bytes", "Content of the .tlearn for the next part.")]),
+    ("Transfer", "import_table, export_table", f"{EVALUATION}/transfer.rs", "TransferDocument", []),
     ("Run", "simulate", "trueaxis-sim/src/run/document.rs", "RunDocument",
      [("trace", "Section", "Columns of the traces by machine, with `trace_every`.")]),
 ]

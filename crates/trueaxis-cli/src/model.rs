@@ -24,11 +24,6 @@ pub(crate) fn note(text: String) {
     report_line(format_args!("note: {text}"));
 }
 
-/// Reports a command that was interrupted while it wrote a file of this machine.
-pub(crate) fn report_interrupted(path: &Path) {
-    model::left(path).into_iter().for_each(note);
-}
-
 /// Kelvin above the machine's reference temperature; 0 without a temperature.
 pub(crate) fn rise(temperature_c: Option<f64>, machine: &Machine) -> Result<f64> {
     let kelvin = temperature_c.map_or(0.0, |t| t - machine.settings.reference_temperature_c);

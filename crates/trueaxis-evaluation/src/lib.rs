@@ -41,4 +41,5 @@ pub mod shown;
 pub mod simulated;
 pub mod thermal;
 pub mod thermal_test;
+pub mod transfer;
 pub mod uncertainty;

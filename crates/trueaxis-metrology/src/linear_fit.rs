@@ -46,9 +46,21 @@ pub struct Solution {
     /// Unknowns that the rows do not determine separately, in ascending order; empty at full rank. Otherwise the values are
     /// those of minimum norm in the scaled unknowns.
     pub unseen: Vec<usize>,
+    /// Columns of the unknowns in the observed directions, S⁻¹Vᵀ without the scale: its columns' products are (AᵀW²A)⁻¹.
+    observed: DMatrix<f64>,
 }
 
 impl Solution {
+    /// Returns an entry of (AᵀW²A)⁻¹, the covariance of two unknowns for rows of unit standard deviation; 0 for an unknown that
+    /// there is not. Cost: one product for each unknown.
+    pub fn covariance_factor(&self, one: usize, other: usize) -> f64 {
+        let count = self.observed.ncols();
+        if one >= count || other >= count {
+            return 0.0;
+        }
+        self.observed.column(one).dot(&self.observed.column(other))
+    }
+
     /// Returns the number of rows − rank.
     pub fn degrees_of_freedom(&self) -> usize {
         self.rows.saturating_sub(self.rank)
@@ -116,6 +128,7 @@ impl LinearFit {
                 squares: f64::NAN,
                 rows: self.rows,
                 unseen: (0..n).collect(),
+                observed: DMatrix::zeros(0, 0),
             };
         }
         let lengths: Vec<f64> = (0..n).map(|j| factor.column(j).norm()).collect();
@@ -133,7 +146,7 @@ impl LinearFit {
         let largest = singular.iter().copied().fold(0.0, f64::max);
         let seen = |value: f64| value > RANK_TOLERANCE * largest;
         let mut values = vec![0.0; n];
-        let mut variances = vec![0.0; n];
+        let mut observed = DMatrix::zeros(n, n);
         let mut unseen = vec![0.0; n];
         let mut squares = rest * rest;
         if let (Some(u), Some(v_t)) = (u, v_t) {
@@ -143,7 +156,7 @@ impl LinearFit {
                     let part = v_t[(k, j)];
                     if seen(value) {
                         values[j] += part * along / value / lengths[j];
-                        variances[j] += (part / value / lengths[j]).powi(2);
+                        observed[(k, j)] = part / value / lengths[j];
                     } else {
                         unseen[j] += part * part;
                     }
@@ -156,12 +169,13 @@ impl LinearFit {
         let smallest = singular.iter().copied().fold(f64::INFINITY, f64::min);
         Solution {
             values,
-            error_factors: variances.into_iter().map(f64::sqrt).collect(),
+            error_factors: observed.column_iter().map(|column| column.norm_squared().sqrt()).collect(),
             rank: singular.iter().filter(|value| seen(**value)).count(),
             condition: if smallest > 0.0 { largest / smallest } else { f64::INFINITY },
             squares,
             rows: self.rows,
             unseen: (0..n).filter(|&j| unseen[j] > NAMED).collect(),
+            observed,
         }
     }
 }
@@ -184,6 +198,9 @@ mod tests {
         assert!((found.error_factors[1] - 0.2_f64.sqrt()).abs() < 1e-14);
         assert!((found.error_factors[0] - 0.7_f64.sqrt()).abs() < 1e-14);
         assert!((found.sigma() - 0.02_f64.sqrt()).abs() < 1e-14);
+        // Cov(intercept, slope) = −t̄/Σ(t − t̄)².
+        assert!((found.covariance_factor(0, 1) + 0.3).abs() < 1e-14 && found.covariance_factor(0, 2) == 0.0);
+        assert!((found.covariance_factor(0, 0) - 0.7).abs() < 1e-14);
     }
 
     /// Many blocks give the same result as one, and weights act like repetitions.

@@ -1,5 +1,6 @@
 """Which machine of the fleet needs a screw? What tables of axes would leave, machine by machine."""
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 
@@ -18,3 +19,5 @@ for name in fleet:
     })
 table = pd.DataFrame(rows).set_index("machine").sort_values("lost_motion_um", ascending=False)
 print(table.round(2))
+table.plot.barh(xlabel="µm")
+plt.show()

@@ -3,7 +3,7 @@
 use crate::machine::{Machine, decided};
 use crate::measured::Measured;
 use crate::shown::result;
-use crate::{Error, documents, to_python, warn};
+use crate::{Error, json, to_python, warn};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use trueaxis_evaluation::ballbar::{Options, Test};
@@ -20,9 +20,9 @@ use trueaxis_evaluation::friction::pair;
 /// radius_mm : float
 ///     Nominal radius in mm.
 /// axes : str, default "X,Y"
-///     The axes of the plane.
+///     The two axes of the circles' plane, in its sense: "X,Y", "Z,X" or "Y,Z", or a pair the other way round.
 /// pitch_x_mm : float, optional
-///     Pitches of periodic errors; the function searches for omitted ones.
+///     Pitch of the periodic error of X, of its screw or encoder, mm; by default, it is searched for.
 /// pitch_y_mm : float, optional
 ///     Pitch of a periodic error of Y in mm; by default, it is searched for.
 /// pitch_z_mm : float, optional
@@ -30,7 +30,7 @@ use trueaxis_evaluation::friction::pair;
 /// machine : Machine, optional
 ///     Adds `written`, the command's decision on every setting found.
 /// compensated : bool, default False
-///     The machine's tables corrected it during the record.
+///     Whether the machine's tables corrected it during the record.
 /// traces : bool, default False
 ///     True adds arrays with one number per reading: angle_deg; direction; centred_um, the deviation about the
 ///     circle's centre; left_um, the residual of the causes.
@@ -81,8 +81,8 @@ pub(crate) fn ballbar<'py>(
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
     let (test, document, written) = to_python(found)?;
-    let found = documents::dictionary(py, &document)?;
-    documents::with_decisions(&found, written.as_deref())?;
+    let found = json::dictionary(py, &document)?;
+    json::with_decisions(&found, written.as_deref())?;
     if traces {
         let angles = test.readings.iter().map(|reading| reading.angle_rad.to_degrees());
         let ways = test.readings.iter().map(|reading| if reading.counterclockwise { 1.0 } else { -1.0 });

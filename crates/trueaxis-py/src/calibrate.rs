@@ -1,8 +1,9 @@
 //! Calibration with a touch probe: computes a program from a task, and the machine's errors from the program's log.
 
-use crate::shown::result;
-use crate::{documents, to_python, warn};
+use crate::shown::{result, table_result};
+use crate::{json, to_python, warn};
 use anyhow::{Context, Result};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
@@ -56,9 +57,10 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
     let planned = to_python(planned)?;
-    let document = documents::dictionary(py, &planned.foreseen)?;
+    let document = json::dictionary(py, &planned.foreseen)?;
     document.set_item("program_text", planned.program)?;
-    result("CalibrationPlan", document, None)
+    let text = format!("{} touches, about {:.0} min\n", planned.foreseen.touches, planned.foreseen.minutes.ceil());
+    table_result("CalibrationPlan", document, "Probing program", (text, planned.foreseen.expected()))
 }
 
 /// Compute a machine's errors from the log of a probing program.
@@ -73,6 +75,8 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
 ///     True adds the machine's changed files under `files`, a dict of texts by name.
 /// force : bool, default False
 ///     Takes every value found instead of the rule's decision, like `--force`.
+/// residuals : bool, default False
+///     True adds the residual of every touch, positive outside the surface, under `residuals_um`.
 ///
 /// Returns
 /// -------
@@ -95,14 +99,16 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
 /// the tool relative to the workpiece, with units in their names (µrad, µm, ppm); standard errors have the same
 /// names.
 #[pyfunction]
-#[pyo3(signature = (task, log, *, files = false, force = false))]
+#[pyo3(signature = (task, log, *, files = false, force = false, residuals = false))]
 pub(crate) fn calibrate_solve(
     py: Python<'_>,
     task: PathBuf,
     log: PathBuf,
     files: bool,
     force: bool,
+    residuals: bool,
 ) -> PyResult<Bound<'_, PyAny>> {
+    let asked_residuals = residuals;
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let read = read(&task, &mut notes)?;
@@ -114,12 +120,16 @@ pub(crate) fn calibrate_solve(
         let edited = additions.edit(&read.folder, &read.name)?;
         let document = found.document(&read.task, &read.machine);
         let shown = document.shown(&found);
-        Ok((document, shown, decisions, edited.files))
+        let residuals: Vec<f64> = found.solution.residuals_mm.iter().map(|mm| 1e3 * mm).collect();
+        Ok((document, shown, decisions, (edited.files, residuals)))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, shown, decisions, edited) = to_python(found)?;
-    let document = documents::dictionary(py, &document)?;
-    documents::with_decisions(&document, Some(&decisions))?;
+    let (document, shown, decisions, (edited, residuals)) = to_python(found)?;
+    let document = json::dictionary(py, &document)?;
+    json::with_decisions(&document, Some(&decisions))?;
+    if asked_residuals {
+        document.set_item("residuals_um", PyArray1::from_vec(py, residuals))?;
+    }
     if files {
         let texts = PyDict::new(py);
         for (name, text) in edited {

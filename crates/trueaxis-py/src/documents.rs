@@ -1,33 +1,14 @@
-//! Converts the command line's JSON documents to dictionaries.
+//! Roundness: circles, one trace, three probes and their angles.
 
-use crate::shown::result;
-use crate::{arrays, to_python};
+use crate::json::dictionary;
+use crate::shown::{result, table_result};
+use crate::{arrays, to_python, units, warn};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use serde::Serialize;
 use std::path::Path;
 use trueaxis_evaluation::probes::Probes;
 use trueaxis_evaluation::{circle as circles, probe_angles as angles, roundness as separation};
 use trueaxis_metrology::separation::NOISE_GAIN_LIMIT;
-use trueaxis_tables::finding::Decision;
-
-/// Converts a document that is not a table of keys, such as a list.
-pub(crate) fn value<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
-    let text = to_python(trueaxis_evaluation::json::compact(document).map_err(Into::into))?;
-    py.import("json")?.call_method1("loads", (text,))
-}
-
-/// Converts a document to a dictionary.
-pub(crate) fn dictionary<'py>(py: Python<'py>, document: &impl Serialize) -> PyResult<Bound<'py, PyDict>> {
-    Ok(value(py, document)?.cast_into()?)
-}
-
-/// Adds the decisions about a machine under `written`, as the commands do; adds nothing without a machine.
-pub(crate) fn with_decisions(document: &Bound<'_, PyDict>, written: Option<&[Decision]>) -> PyResult<()> {
-    let Some(written) = written else { return Ok(()) };
-    document.set_item("written", value(document.py(), &written)?)
-}
 
 /// Fit the reference circles of ISO 12181-1 to points of a section.
 ///
@@ -53,13 +34,73 @@ pub(crate) fn with_decisions(document: &Bound<'_, PyDict>, written: Option<&[Dec
 /// (1.001, 0.9995)
 #[pyfunction]
 pub(crate) fn circle<'py>(py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    let (_, values) = arrays::named(points, "points", &[&["x_mm", "y_mm"]])?;
+    let forms: &[&[&str]] = &[&["x_mm", "y_mm"]];
+    let (_, values) = arrays::named(&units::framed(points, "points", forms)?, "points", forms)?;
     let found = to_python(py.detach(|| {
         let points = values.as_chunks::<2>().0.to_vec();
         let lines = (0..points.len() as u32).collect();
         circles::Evaluation::of(points, lines, Path::new("points"))
     }))?;
     result("Circle", dictionary(py, &found.document())?, Some(found.shown()))
+}
+
+/// Fit the reference circles of ISO 12181-1 to one trace of radii, with or without a filter.
+///
+/// Parameters
+/// ----------
+/// radius_mm : array-like
+///     Radii over one revolution, mm, of any number; with theta_deg, at these angles.
+/// theta_deg : array-like, optional
+///     Increasing angles of the radii, degrees; by default, equidistant ones from 0.
+/// upr : int, optional
+///     Cut-off of the Gaussian filter in undulations per revolution: 15, 50, 150 or 500; by default, no filter. With a
+///     filter, radii at given angles are first resampled to equidistant ones.
+///
+/// Returns
+/// -------
+/// Circle
+///     The circles, as `circle` finds them, with the arrays theta_deg and radius_mm, the trace as filtered.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     If an argument is refused: what was found, and what is needed.
+///
+/// Notes
+/// -----
+/// The filter is that of ISO 16610-21 for a closed profile, H(k) = 2^−(k/k_c)²; it attenuates eccentricity like any other
+/// harmonic. ISO 12181-2 asks for seven points for each undulation at the cut-off; fewer raise a warning.
+///
+/// Examples
+/// --------
+/// >>> theta = np.arange(0, 360, 0.25)
+/// >>> lobes = 25 + 0.002 * np.cos(np.radians(3 * theta)) + 0.001 * np.cos(np.radians(50 * theta))
+/// >>> found = trueaxis.trace_roundness(lobes, upr=50)
+/// >>> round(found.lsc.zone_um, 2)
+/// 4.99
+#[pyfunction]
+#[pyo3(signature = (radius_mm, *, theta_deg = None, upr = None))]
+pub(crate) fn trace_roundness<'py>(
+    py: Python<'py>,
+    radius_mm: &Bound<'py, PyAny>,
+    theta_deg: Option<&Bound<'py, PyAny>>,
+    upr: Option<u16>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let count = radius_mm.len().unwrap_or(1);
+    let radii = arrays::column(&units::in_unit(radius_mm, "radius_mm", "mm")?, "radius_mm", count, "the trace")?;
+    let degrees = |given| units::in_unit(given, "theta_deg", "deg");
+    let angles =
+        theta_deg.map(|given| arrays::column(&degrees(given)?, "theta_deg", count, "radius_mm")).transpose()?;
+    let (trace, found) = to_python(py.detach(|| {
+        let trace = separation::Radii::of(&radii, angles.as_deref(), upr)?;
+        let found = trace.evaluate(Path::new("radius_mm"))?;
+        Ok((trace, found))
+    }))?;
+    trace.notes.iter().try_for_each(|note| warn(py, note))?;
+    let document = dictionary(py, &found.document())?;
+    document.set_item("theta_deg", PyArray1::from_vec(py, trace.theta_deg))?;
+    document.set_item("radius_mm", PyArray1::from_vec(py, trace.radius_mm))?;
+    result("Circle", document, Some(found.shown()))
 }
 
 /// Separate roundness and spindle error by three probes.
@@ -69,23 +110,24 @@ pub(crate) fn circle<'py>(py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResu
 /// readings : array-like
 ///     (revolutions × n, 3), µm, equidistant in θ; with theta_deg, any number of rows.
 /// n : int
-///     Points per revolution.
+///     Points per revolution, a power of two from 64 to 4096.
 /// harmonics : tuple[int, int], optional
-///     Lowest and highest harmonic of the profile; by default, 2 to 100, or to n/2 − 1.
+///     First and last harmonic of the profile, undulations per revolution, 2 or more and below n/2; by default, 2 to 100, or
+///     to n/2 − 1.
 /// p : int, optional
-///     The angles between the probes, in slots or in degrees.
+///     Slots of 360°/n from probe 1 to probe 2, 1 to n − 1.
 /// q : int, optional
-///     Angle from probe 2 to probe 3 in slots of 360°/n.
+///     Slots of 360°/n from probe 2 to probe 3, 1 to n − 1.
 /// phi2_deg : float, optional
-///     Angle from probe 1 to probe 2 in degrees, instead of slots.
+///     Angle from probe 1 to probe 2 in the sense of θ, degrees, instead of p.
 /// phi3_deg : float, optional
-///     The angles between the probes, in slots or in degrees.
+///     Angle from probe 2 to probe 3, degrees, instead of q.
 /// arm : tuple[float, float, float], optional
 ///     Crank throw, wheel radius and pin radius in mm of an arm that follows the pin; by default, the arm is fixed.
 /// upr : int, optional
 ///     Cut-off of the Gaussian filter in undulations per revolution: 15, 50, 150 or 500; by default, no filter.
 /// noise_gain_limit : float, optional
-///     Noise gain above which a harmonic is suppressed and marked.
+///     Noise gain above which a harmonic is suppressed and marked; by default, 100.
 /// theta_deg : array-like, optional
 ///     Increasing angles of the rows. The function resamples the readings; `resampling` states the
 ///     interpolation error.
@@ -117,9 +159,11 @@ pub(crate) fn roundness<'py>(
     noise_gain_limit: f64,
     theta_deg: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (_, values) = arrays::rows(readings, "readings", &[3])?;
+    let (_, values) = arrays::rows(&units::in_unit(readings, "readings", "um")?, "readings", &[3])?;
     let rows = values.len() / 3;
-    let theta_deg = theta_deg.map(|given| arrays::column(given, "theta_deg", rows, "readings")).transpose()?;
+    let degrees = |given| units::in_unit(given, "theta_deg", "deg");
+    let theta_deg =
+        theta_deg.map(|given| arrays::column(&degrees(given)?, "theta_deg", rows, "readings")).transpose()?;
     let probes = Probes { n, harmonics, p, q, phi2_deg, phi3_deg };
     let request = separation::Request { probes, arm, upr, noise_gain_limit };
     let (evaluation, shown, separations) = to_python(py.detach(|| {
@@ -154,17 +198,18 @@ pub(crate) fn roundness<'py>(
 /// Parameters
 /// ----------
 /// n : int
-///     Points per revolution.
+///     Points per revolution, a power of two from 64 to 4096.
 /// harmonics : tuple[int, int], optional
-///     Lowest and highest harmonic of the profile; by default, 2 to 100, or to n/2 − 1.
+///     First and last harmonic of the profile, undulations per revolution, 2 or more and below n/2; by default, 2 to 100, or
+///     to n/2 − 1.
 /// p : int, optional
-///     Angle from probe 1 to probe 2 in slots of 360°/n.
+///     Slots of 360°/n from probe 1 to probe 2, 1 to n − 1.
 /// q : int, optional
-///     Angle from probe 2 to probe 3 in slots of 360°/n.
+///     Slots of 360°/n from probe 2 to probe 3, 1 to n − 1.
 /// phi2_deg : float, optional
-///     Angle from probe 1 to probe 2 in degrees, instead of slots.
+///     Angle from probe 1 to probe 2 in the sense of θ, degrees, instead of p.
 /// phi3_deg : float, optional
-///     Angle from probe 2 to probe 3 in degrees, instead of slots.
+///     Angle from probe 2 to probe 3, degrees, instead of q.
 /// count : int, optional
 ///     Number of pairs listed, the best first.
 ///
@@ -199,5 +244,5 @@ pub(crate) fn probe_angles<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let request = angles::Request { probes: Probes { n, harmonics, p, q, phi2_deg, phi3_deg }, count };
     let document = to_python(py.detach(|| request.search()?.run(|| {})))?;
-    result("ProbeAngles", dictionary(py, &document)?, None)
+    table_result("ProbeAngles", dictionary(py, &document)?, "Angles of three probes", (String::new(), document.table()))
 }

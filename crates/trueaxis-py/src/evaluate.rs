@@ -3,17 +3,17 @@
 use crate::machine::{self, Machine};
 use crate::measured::Measured;
 use crate::shown::result;
-use crate::{Error, documents, to_python, warn};
+use crate::{Error, json, to_python, warn};
 use anyhow::Result;
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde::Serialize;
-use std::path::PathBuf;
-use trueaxis::machine::Axis;
+use std::sync::OnceLock;
 use trueaxis_evaluation::rows::{Column, Rows};
 use trueaxis_evaluation::shown::Shown;
 use trueaxis_evaluation::{accuracy as positioning, diagonal, points as coordinates, probing, r_test, thermal_test};
 use trueaxis_tables::Additions;
-use trueaxis_tables::text::read_text;
 
 /// Reads and evaluates a record without the interpreter's lock; returns the document.
 fn evaluated<'py, const C: usize, D: Serialize + Send>(
@@ -38,6 +38,19 @@ fn decided<'py, const C: usize, D: Serialize + Send>(
     machine: Option<&Machine>,
     evaluate: impl FnOnce(&mut Rows<'_, C>, &str) -> Result<(D, Shown, Additions)> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
+    decided_with(py, kind, record, columns, machine, evaluate, |_| Ok(()))
+}
+
+/// Like [`decided`]; `add` adds to the document what only Python has.
+fn decided_with<'py, const C: usize, D: Serialize + Send>(
+    py: Python<'py>,
+    kind: &str,
+    record: &Bound<'py, PyAny>,
+    columns: &[Column; C],
+    machine: Option<&Machine>,
+    evaluate: impl FnOnce(&mut Rows<'_, C>, &str) -> Result<(D, Shown, Additions)> + Send,
+    add: impl FnOnce(&Bound<'py, PyDict>) -> PyResult<()>,
+) -> PyResult<Bound<'py, PyAny>> {
     let measured = Measured::of_columns(record, "record", columns)?;
     let mut notes = Vec::new();
     let found = py.detach(|| {
@@ -48,8 +61,9 @@ fn decided<'py, const C: usize, D: Serialize + Send>(
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
     let (document, shown, written) = to_python(found)?;
-    let found = documents::dictionary(py, &document)?;
-    documents::with_decisions(&found, written.as_deref())?;
+    let found = json::dictionary(py, &document)?;
+    json::with_decisions(&found, written.as_deref())?;
+    add(&found)?;
     result(kind, found, Some(shown))
 }
 
@@ -62,8 +76,9 @@ fn asked<T, E: std::fmt::Display>(checked: Result<T, E>) -> PyResult<T> {
 ///
 /// Parameters
 /// ----------
-/// record : path-like
-///     A file of deviations: runs by positions, or rows with position, run and direction.
+/// record : dict of array-likes or data frame or path-like
+///     Deviations: a file, or a dict or data frame with its columns: X_mm, run, direction (+ or -) and deviation_um, or X_mm
+///     and a column for each run, +1, -1, +2, ….
 /// axis : {"X", "Y", "Z", "A", "B", "C"}, optional
 ///     The axis measured, if the file does not state it.
 /// machine : Machine, optional
@@ -98,18 +113,14 @@ fn asked<T, E: std::fmt::Display>(checked: Result<T, E>) -> PyResult<T> {
 #[pyo3(signature = (record, *, axis = None, machine = None, instrument = None, tolerance_um = None, confidence = 95.0))]
 pub(crate) fn accuracy<'py>(
     py: Python<'py>,
-    record: PathBuf,
+    record: &Bound<'py, PyAny>,
     axis: Option<char>,
     machine: Option<Bound<'py, Machine>>,
     instrument: Option<Bound<'py, Machine>>,
     tolerance_um: Option<f64>,
     confidence: f64,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let axis = axis.map(|letter| {
-        let known = Axis::ALL.into_iter().find(|axis| axis.letter() == letter);
-        known.ok_or_else(|| Error::new_err(format!("axis: found {letter:?}, needed X, Y, Z, A, B or C")))
-    });
-    let axis = axis.transpose()?;
+    let axis = machine::axis_of(axis)?;
     if !(50.0..=99.99).contains(&confidence) {
         return Err(Error::new_err(format!("confidence: found {confidence}, needed 50 to 99.99 %")));
     }
@@ -125,12 +136,14 @@ pub(crate) fn accuracy<'py>(
         Some(_) => return Err(Error::new_err("instrument: found a compiled file, needed a machine.toml")),
     };
     let machine = machine.as_ref().map(Bound::get);
+    let measured = Measured::of_words(record, "record")?;
+    let record = measured.name();
     let mut notes = Vec::new();
     let found = py.detach(|| {
-        let text = read_text(&record, &['#', ';'])?;
-        let measurement = positioning::read(&text, &record, axis, &mut |note| notes.push(note))?;
+        let text = measured.text()?;
+        let measurement = positioning::read(&text, record, axis, &mut |note| notes.push(note))?;
         let given = machine.map(|machine| (&machine.machine, machine.path.as_path()));
-        let mut document = positioning::evaluate(&measurement, &record, given)?;
+        let mut document = positioning::evaluate(&measurement, record, given)?;
         if let Some((machine, stated)) = instrument {
             let bands = positioning::bands(&measurement, machine, stated, confidence / 100.0)?;
             document.verdict = tolerance_um.and_then(|tolerance| positioning::judge(&bands, tolerance));
@@ -140,7 +153,7 @@ pub(crate) fn accuracy<'py>(
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
     let document = to_python(found)?;
-    result("Accuracy", documents::dictionary(py, &document)?, Some(document.shown()))
+    result("Accuracy", json::dictionary(py, &document)?, Some(document.shown()))
 }
 
 /// Evaluate probing tests according to ISO 230-10.
@@ -150,7 +163,7 @@ pub(crate) fn accuracy<'py>(
 /// record : dict of array-likes or data frame or path-like
 ///     A file, or a dict of arrays x_mm, y_mm[, z_mm][, run][, spindle_deg].
 /// feature : {"ring", "sphere", "point"}
-///     "ring", "sphere" or "point".
+///     What was probed.
 /// diameter_mm : float, optional
 ///     Calibrated diameter of the ring or sphere, mm.
 ///
@@ -196,7 +209,7 @@ pub(crate) fn evaluate_probing<'py>(
 /// record : dict of array-likes or data frame or path-like
 ///     A file, or a dict of arrays t_s[, position][, x1_um …][, ambient_c …].
 /// test : {"etve", "spindle", "axis"}, default "spindle"
-///     "etve", "spindle" or "axis".
+///     The test of ISO 230-3: environmental temperature variation error, rotating spindle or moving linear axis.
 /// period_min : float, default 60.0
 ///     Length of a period, min.
 /// distance_mm : float, optional
@@ -245,7 +258,8 @@ pub(crate) fn evaluate_thermal<'py>(
 /// record : dict of array-likes or data frame or path-like
 ///     A file, or a dict of arrays diagonal, direction, x_mm, y_mm, z_mm, deviation_um[, run].
 /// alignment_urad : float, optional
-///     Standard uncertainty of the alignment of the mirror and the beam to a diagonal, µrad.
+///     Standard uncertainty of the alignment of the mirror and the beam to a diagonal, µrad; without it, scales are not
+///     known.
 /// machine : Machine, optional
 ///     Adds `written`, the command's decision on every setting found.
 ///
@@ -293,6 +307,8 @@ pub(crate) fn evaluate_step_diagonal<'py>(
 ///     Location errors that keep the machine's values, such as "EX0C".
 /// free_sensor : bool, default False
 ///     Whether the zero of the nest is fitted too.
+/// residuals : bool, default False
+///     True adds the residual of every reading along X, Y, Z under `residuals_um`, (n, 3).
 ///
 /// Returns
 /// -------
@@ -308,7 +324,7 @@ pub(crate) fn evaluate_step_diagonal<'py>(
 /// -----
 /// `written` lists the decision on every location error found, except for a compiled machine. Writes no file.
 #[pyfunction]
-#[pyo3(signature = (record, *, machine, tool_mm = None, without = Vec::new(), free_sensor = false))]
+#[pyo3(signature = (record, *, machine, tool_mm = None, without = Vec::new(), free_sensor = false, residuals = false))]
 pub(crate) fn evaluate_r_test<'py>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
@@ -316,6 +332,7 @@ pub(crate) fn evaluate_r_test<'py>(
     tool_mm: Option<[f64; 3]>,
     without: Vec<String>,
     free_sensor: bool,
+    residuals: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
     if let Some(value) = tool_mm.iter().flatten().find(|value| value.is_nan() || value.abs() > 1e6) {
         return Err(Error::new_err(format!("tool_mm: found {value}, needed a finite number of at most 1e6 mm")));
@@ -324,12 +341,19 @@ pub(crate) fn evaluate_r_test<'py>(
     let mut machine = own.machine.clone();
     machine.settings.tool_mm = tool_mm.unwrap_or(machine.settings.tool_mm);
     let options = r_test::Options { without, free_sensor };
-    decided(py, "RTest", record, &r_test::COLUMNS, Some(own), move |rows, name| {
+    let left = OnceLock::new();
+    let evaluate = |rows: &mut Rows<'_, { r_test::COLUMNS.len() }>, name: &str| {
         let record = r_test::Record::read(rows)?;
         let found = r_test::identify(&record, name, &machine, &options)?;
+        let _ = left.set(found.left_mm.iter().flatten().map(|mm| 1e3 * mm).collect::<Vec<f64>>());
         let document = r_test::RTestDocument::new(&record, &found, &machine);
         let shown = document.shown(&record, &found);
         Ok((document, shown, found.additions()))
+    };
+    decided_with(py, "RTest", record, &r_test::COLUMNS, Some(own), evaluate, |document| {
+        let Some(all) = left.get().filter(|_| residuals).cloned() else { return Ok(()) };
+        let rows = all.len() / 3;
+        document.set_item("residuals_um", PyArray1::from_vec(py, all).reshape([rows, 3])?)
     })
 }
 
@@ -341,11 +365,11 @@ pub(crate) fn evaluate_r_test<'py>(
 ///     A file, or a dict of arrays x_mm, y_mm, z_mm, actual_x_mm, actual_y_mm, actual_z_mm[, u_um][, tool_x_mm
 ///     …].
 /// machine : Machine
-///     States chain, offsets and tool.
+///     Machine that states chain, offsets, tool and `measured_at_mm`.
 /// nodes : sequence of int, optional
-///     Numbers of nodes in the tables of X, Y, Z.
+///     Numbers of evenly spaced nodes in the tables of X, Y, Z; by default, the levels of the points, else 11.
 /// without : sequence of str, optional
-///     Angular errors that stay zero.
+///     Angular errors to leave at zero, such as "EBX".
 ///
 /// Returns
 /// -------

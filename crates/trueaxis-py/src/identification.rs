@@ -3,7 +3,7 @@
 use crate::machine::{Machine, decided};
 use crate::measured::Measured;
 use crate::shown::result;
-use crate::{Error, documents, to_python, warn};
+use crate::{Error, json, to_python, warn};
 use pyo3::prelude::*;
 use trueaxis::Axis;
 use trueaxis_evaluation::shown::Shown;
@@ -20,15 +20,15 @@ use trueaxis_tables::formats::write_axis_csv;
 ///     A file, or an array (n, 6), columns angle_deg, l_mm, h_mm, dx_um, dy_um, dz_um. Rows of an array count
 ///     from line 2.
 /// axis : {"A", "B", "C"}
-///     "A", "B" or "C".
+///     The axis that turns.
 /// machine : Machine, optional
 ///     States the sense of the axis; the function removes the errors of its linear axes. Unless it is a
 ///     compiled file, adds `written`, the decision on every error for the machine's current files: key, old,
 ///     found, written (None if the stated value stays), and why.
 /// start_mm : sequence of float, optional
-///     X, Y, Z in the first set-up at the first angle.
+///     Position of X, Y, Z in mm in the first set-up at the first angle, with `machine`; RTCP moves them from there.
 /// free_offsets : bool, default False
-///     The operator zeroed the gauges in every set-up.
+///     Whether one offset per set-up, constant in machine directions, is fitted too: the gauges were zeroed in every set-up.
 /// table : bool, default False
 ///     True adds the axis' table as CSV text under `table`.
 ///
@@ -88,8 +88,8 @@ pub(crate) fn identify<'py>(
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
     let (document, table, written) = to_python(found)?;
-    let found = documents::dictionary(py, &document)?;
-    documents::with_decisions(&found, written.as_deref())?;
+    let found = json::dictionary(py, &document)?;
+    json::with_decisions(&found, written.as_deref())?;
     if let Some(table) = table {
         found.set_item("table", table)?;
     }
@@ -104,14 +104,14 @@ pub(crate) fn identify<'py>(
 ///     A file that the command reads, or an array (n, 5): time in s, then command and reading in mm of the
 ///     first axis and of the second. Rows of an array count from line 2.
 /// axes : str
-///     The axes of the plane, such as "X,Y".
+///     The two axes of the circles' plane, in its sense: "X,Y", "Z,X" or "Y,Z", or a pair the other way round.
 /// machine : Machine, optional
 ///     States the figures of its drives; adds `written`, the decision on every figure, as in `identify`.
 /// find_drive : bool, default False
-///     Identifies the drives although the machine states their figures.
+///     Whether the drives' figures are found even if the machine states them.
 /// read_after_us : float, optional
-///     Delay from the moment a row's command takes effect to the encoder's reading; used for an identified
-///     drive.
+///     Time of the encoder's reading, µs after the command of its row takes effect (negative: before); used if the
+///     drives' figures are found too.
 /// toml : bool, default False
 ///     True adds the sections of a machine.toml under `toml`.
 ///
@@ -163,8 +163,8 @@ pub(crate) fn friction<'py>(
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
     let (document, shown, sections, written) = to_python(found)?;
-    let found = documents::dictionary(py, &document)?;
-    documents::with_decisions(&found, written.as_deref())?;
+    let found = json::dictionary(py, &document)?;
+    json::with_decisions(&found, written.as_deref())?;
     if let Some(sections) = sections {
         found.set_item("toml", sections)?;
     }

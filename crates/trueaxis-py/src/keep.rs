@@ -1,7 +1,7 @@
 //! A machine that keeps itself true: the functions re-probe balls that stay in place, with the code of `trueaxis keep`.
 
-use crate::shown::result;
-use crate::{Error, NeedsPerson, documents, to_python, warn};
+use crate::shown::{result, table_result};
+use crate::{Error, NeedsPerson, json, to_python, warn};
 use anyhow::{Result, anyhow};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -55,7 +55,7 @@ impl Asked {
 
 /// The document of a re-probing, with a sentence on each change under `changes`.
 fn document<'py>(py: Python<'py>, evaluated: &EvaluatedLog) -> PyResult<Bound<'py, PyDict>> {
-    let document = documents::dictionary(py, &evaluated.document)?;
+    let document = json::dictionary(py, &evaluated.document)?;
     document.set_item("changes", &evaluated.changes)?;
     Ok(document)
 }
@@ -91,12 +91,13 @@ pub(crate) fn keep_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyA
         let state = State::read(&task, &mut |note| notes.push(note))?;
         Planning::new(&state.task, &state.machine)
     })?;
-    let document = documents::dictionary(py, &planned.foreseen)?;
+    let document = json::dictionary(py, &planned.foreseen)?;
     document.set_item("program_text", planned.program)?;
-    result("KeepPlan", document, None)
+    let text = format!("{} touches, about {:.0} min\n", planned.foreseen.touches, planned.foreseen.minutes.ceil());
+    table_result("KeepPlan", document, "Probing program", (text, planned.foreseen.expected()))
 }
 
-/// Evaluate the first probing, with which the later ones are compared, and adds it to the history.
+/// Evaluate the first probing, with which the later ones are compared, and add it to the history.
 ///
 /// Parameters
 /// ----------
@@ -155,9 +156,9 @@ pub(crate) fn keep_begin(
 /// parts : int, optional
 ///     Number of parts made until then, as the control counts them.
 /// accept : sequence of str, optional
-///     Terms that may be out of their bounds.
+///     Names of terms that are accepted out of their bounds.
 /// by_hand : bool, default False
-///     Accepts tables that somebody has changed since the last entry of the history.
+///     Whether tables that somebody has changed since the last entry of the history are accepted.
 /// files : bool, default False
 ///     True adds the machine's changed files under `files`, a dict of texts by name.
 ///
@@ -207,7 +208,7 @@ pub(crate) fn keep_check(
     result("Reprobing", document, Some(evaluated.document.shown()))
 }
 
-/// Apply the changes from a log and adds them to the history.
+/// Apply the changes from a log and add them to the history.
 ///
 /// Parameters
 /// ----------
@@ -220,7 +221,7 @@ pub(crate) fn keep_check(
 /// parts : int, optional
 ///     Number of parts made until then, as the control counts them.
 /// accept : sequence of str, optional
-///     Terms that may be out of their bounds.
+///     Names of terms that are accepted out of their bounds.
 /// by_hand : bool, default False
 ///     Whether tables that somebody has changed since the last entry of the history are accepted.
 ///
@@ -278,9 +279,9 @@ pub(crate) fn keep_apply(
 /// entry : int, optional
 ///     The first entry to undo, with all later ones; None undoes the last update in effect.
 /// time : str, optional
-///     Time of the probing, UTC, such as "2026-05-04T06:00:00Z".
+///     Time of the undo, UTC, such as "2026-05-04T06:00:00Z".
 /// by_hand : bool, default False
-///     Whether tables that somebody has changed since the last entry of the history are accepted.
+///     Whether the tables are replaced even if somebody has changed them since the last entry of the history.
 ///
 /// Returns
 /// -------
@@ -308,7 +309,7 @@ pub(crate) fn keep_undo(
         state.put_back(Outputs::of([&task]), &undone)?;
         Ok(undone)
     })?;
-    documents::value(py, &undone.entry)
+    json::value(py, &undone.entry)
 }
 
 /// Return the history of a task's machine: the entries of `trueaxis keep history --json`.
@@ -330,5 +331,5 @@ pub(crate) fn keep_undo(
 #[pyfunction]
 pub(crate) fn keep_history(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_, PyAny>> {
     let entries = noting(py, |notes| Ok(State::read(&task, &mut |note| notes.push(note))?.history.entries))?;
-    documents::value(py, &entries)
+    json::value(py, &entries)
 }

@@ -1,7 +1,7 @@
 //! Five-axis transformation and helicoids.
 
 use crate::machine::{Machine, columns};
-use crate::{Error, arrays, documents, to_python};
+use crate::{Error, arrays, json, to_python, units};
 use anyhow::Context;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -30,7 +30,7 @@ impl Machine {
     /// Parameters
     /// ----------
     /// positions : array-like or data frame
-    ///     (n, 3), or the columns that `columns` lists.
+    ///     Axis positions, (n, 3), or with the columns that `columns` lists, mm and degrees; omitted rotary axes are at 0.
     /// tool_mm : sequence of float, optional
     ///     Vector from the last tool-side frame to the tip with all axes at zero; by default, the machine's.
     ///
@@ -83,12 +83,12 @@ impl Machine {
     /// tool : array-like
     ///     Directions of the tool, from the tip to the spindle, (n, 3).
     /// branch : {"nearest", "1", "2"}, default "nearest"
-    ///     "1", "2", or "nearest", which selects the branch nearest to the row before, or to `start` for the first
-    ///     row.
+    ///     Solution of the rotary axes: the first, the second, or the one nearest to the row before, and to `start` for the
+    ///     first row.
     /// start : sequence of float, optional
-    ///     Angles of the rotary axes in the order A, B, C.
+    ///     Angles of the rotary axes before the first row, degrees, in the order A, B, C; with branch="nearest".
     /// max_step_deg : float, optional
-    ///     Refuses a larger step of a rotary axis from row to row, and any change of branch other than through the
+    ///     Largest step in degrees: refuses a larger one of a rotary axis from row to row, and any change of branch other than through the
     ///     singular pose.
     /// tool_mm : sequence of float, optional
     ///     Offset of the tool in mm; by default, that of the machine.
@@ -124,7 +124,7 @@ impl Machine {
         max_step_deg: Option<f64>,
         tool_mm: Option<[f64; 3]>,
     ) -> PyResult<Poses<'py>> {
-        let (_, tips) = arrays::rows(tip, "tip", &[3])?;
+        let (_, tips) = arrays::rows(&units::in_unit(tip, "tip", "mm")?, "tip", &[3])?;
         let (_, tools) = arrays::rows(tool, "tool", &[3])?;
         if tips.len() != tools.len() {
             let (found, needed) = (tools.len() / 3, tips.len() / 3);
@@ -221,7 +221,7 @@ pub(crate) fn helicoid<'py>(
         Ok((document, program, notes))
     }))?;
     notes.iter().try_for_each(|note| crate::warn(py, note))?;
-    let found = documents::dictionary(py, &document)?;
+    let found = json::dictionary(py, &document)?;
     if let Some(program) = program {
         found.set_item("program", program)?;
     }

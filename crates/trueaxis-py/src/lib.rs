@@ -6,16 +6,21 @@ mod arrays;
 mod ballbar;
 mod calibrate;
 mod documents;
+mod edit;
 mod evaluate;
 mod identification;
+mod json;
 mod keep;
 mod kinematics;
+mod learn;
 mod machine;
 mod measured;
 mod path;
 mod shown;
 mod simulation;
 mod thermal;
+mod transfer;
+mod units;
 
 use pyo3::create_exception;
 use pyo3::exceptions::{PyFileNotFoundError, PyValueError};
@@ -88,6 +93,10 @@ fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(keep::keep_undo, module)?)?;
     module.add_function(wrap_pyfunction!(keep::keep_history, module)?)?;
     module.add_function(wrap_pyfunction!(thermal::thermal_fit, module)?)?;
+    module.add_function(wrap_pyfunction!(thermal::thermal_compile, module)?)?;
+    module.add_function(wrap_pyfunction!(learn::learn, module)?)?;
+    module.add_function(wrap_pyfunction!(transfer::import_table, module)?)?;
+    module.add_function(wrap_pyfunction!(transfer::export_table, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::accuracy, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate_probing, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate_thermal, module)?)?;
@@ -95,6 +104,7 @@ fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(evaluate::evaluate_r_test, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::evaluate_points, module)?)?;
     module.add_function(wrap_pyfunction!(documents::circle, module)?)?;
+    module.add_function(wrap_pyfunction!(documents::trace_roundness, module)?)?;
     module.add_function(wrap_pyfunction!(documents::roundness, module)?)?;
     module.add_function(wrap_pyfunction!(documents::probe_angles, module)?)
 }

@@ -3,13 +3,14 @@
 use crate::arrays::Numbers;
 use crate::measured::Measured;
 use crate::shown::result;
-use crate::{Error, arrays, documents, to_python, warn};
+use crate::{Error, arrays, json, to_python, units, warn};
 use numpy::{PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
+use std::sync::Arc;
 use trueaxis::machine::{Axis, ErrorModel};
 use trueaxis_evaluation::batch::{self, Positions};
 use trueaxis_evaluation::compensate::{Arrival, Settings};
@@ -31,12 +32,14 @@ pub(crate) struct Machine {
     /// Where it was read.
     pub(crate) path: PathBuf,
     /// Its description, or the compiled file, among `files`.
-    name: PathBuf,
-    /// What it was read from, by names relative to its folder.
-    files: Files,
+    pub(crate) name: PathBuf,
+    /// What it was read from, by names relative to its folder, and with what `with_table` and `with_setting` changed.
+    pub(crate) files: Files,
+    /// The files as they were read.
+    pub(crate) read: Arc<Files>,
 }
 
-type Files = BTreeMap<PathBuf, Vec<u8>>;
+pub(crate) type Files = BTreeMap<PathBuf, Vec<u8>>;
 
 /// Standard uncertainties that the machine's files state; `None` for a compiled file, which states none.
 type Stated = Option<Uncertainties>;
@@ -86,7 +89,8 @@ impl Machine {
             let own = || Ok(vec![name.clone()]);
             let names = if compiled { own() } else { trueaxis_tables::Machine::files_of(&folder, &name) }?;
             let files = names.into_iter().map(|name| Ok((name.clone(), model::bytes(&folder.path(&name))?)));
-            Ok(Machine { machine, stated, path: path.clone(), files: files.collect::<anyhow::Result<_>>()?, name })
+            let files = files.collect::<anyhow::Result<Files>>()?;
+            Ok(Machine { machine, stated, path: path.clone(), read: Arc::new(files.clone()), files, name })
         });
         for note in notes {
             warn(py, &note)?;
@@ -169,12 +173,15 @@ impl Machine {
     /// Pickled are the files, so that a worker needs no folder.
     fn __reduce__<'py>(slf: &Bound<'py, Machine>) -> PyResult<(Bound<'py, PyAny>, Restored<'py>)> {
         let (py, own) = (slf.py(), slf.get());
-        let files = PyDict::new(py);
-        for (name, bytes) in &own.files {
-            files.set_item(name, PyBytes::new(py, bytes))?;
-        }
+        let pickled = |of: &Files| {
+            let files = PyDict::new(py);
+            for (name, bytes) in of {
+                files.set_item(name, PyBytes::new(py, bytes))?;
+            }
+            Ok::<_, PyErr>(files)
+        };
         let restore = py.import("trueaxis._native")?.getattr("_restored_machine")?;
-        Ok((restore, (own.path.clone(), own.name.clone(), files)))
+        Ok((restore, (own.path.clone(), own.name.clone(), pickled(&own.files)?, pickled(&own.read)?)))
     }
 
     fn __repr__(&self) -> String {
@@ -402,27 +409,41 @@ impl Machine {
         }
         let options = Options { at, volume_mm, pose_deg, points, coverage: confidence / 100.0, trials, seed };
         let document = to_python(py.detach(|| evaluate(machine, stated, &options)))?;
-        result("Uncertainty", documents::dictionary(py, &document)?, Some(document.shown()))
+        result("Uncertainty", json::dictionary(py, &document)?, Some(document.shown()))
     }
 }
 
 /// Arguments of [`restored_machine`].
-type Restored<'py> = (PathBuf, PathBuf, Bound<'py, PyDict>);
+type Restored<'py> = (PathBuf, PathBuf, Bound<'py, PyDict>, Bound<'py, PyDict>);
 
 /// A machine from its pickled files.
 #[pyfunction(name = "_restored_machine")]
-pub(crate) fn restored_machine(path: PathBuf, name: PathBuf, files: Files) -> PyResult<Machine> {
-    let read = || {
+pub(crate) fn restored_machine(path: PathBuf, name: PathBuf, files: Files, read: Files) -> PyResult<Machine> {
+    to_python(machine_of(path, name, files, Arc::new(read)))
+}
+
+/// A machine from its files in memory.
+pub(crate) fn machine_of(path: PathBuf, name: PathBuf, files: Files, read: Arc<Files>) -> anyhow::Result<Machine> {
+    let parsed = || {
         let memory = Memory::new(files.iter().map(|(name, bytes)| (name, bytes.as_slice())));
         if !model::is_compiled(&path) {
             let machine = trueaxis_tables::Machine::read_from(&memory, &name, &mut |_| {})?;
-            return Ok((machine, Some(Uncertainties::read_from(&memory, &name)?)));
+            return Ok::<_, anyhow::Error>((machine, Some(Uncertainties::read_from(&memory, &name)?)));
         }
         let bytes = memory.read(&name)?;
         Ok((trueaxis_tables::Machine::from_tcomp(&model::parsed(&bytes, &path)?), None))
     };
-    let (machine, stated) = to_python(read())?;
-    Ok(Machine { machine, stated, path, name, files })
+    let (machine, stated) = parsed()?;
+    Ok(Machine { machine, stated, path, name, files, read })
+}
+
+/// Returns the axis of a letter.
+pub(crate) fn axis_of(letter: Option<char>) -> PyResult<Option<Axis>> {
+    let axis = letter.map(|letter| {
+        let known = Axis::ALL.into_iter().find(|axis| axis.letter() == letter);
+        known.ok_or_else(|| Error::new_err(format!("axis: found {letter:?}, needed X, Y, Z, A, B or C")))
+    });
+    axis.transpose()
 }
 
 /// Returns the error model of this name.
@@ -491,7 +512,7 @@ impl Machine {
         let names = self.columns();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let forms: &[&[&str]] = if names.len() == 3 { &[&names] } else { &[&names[..3], &names] };
-        let (width, values) = arrays::lent(positions, "positions", forms)?;
+        let (width, values) = arrays::lent(&units::framed(positions, "positions", forms)?, "positions", forms)?;
         columns.truncate(width);
         let travel = |axis: Axis| machine.settings.axis(axis).map(|own| own.travel);
         let travels: Vec<_> = columns.iter().map(|axis| travel(*axis)).collect();

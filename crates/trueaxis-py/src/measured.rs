@@ -1,6 +1,6 @@
 //! Measurements: a file that the command line reads, or an array.
 
-use crate::{Error, arrays};
+use crate::{Error, arrays, units};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -10,6 +10,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use trueaxis_evaluation::rows::{Column, Rows};
+use trueaxis_tables::text::read_text;
 
 /// A file, or an array converted to the text of a file, so that errors name the line.
 pub(crate) enum Measured {
@@ -23,7 +24,7 @@ impl Measured {
         if let Ok(path) = given.extract::<PathBuf>() {
             return Ok(Measured::File(path));
         }
-        let (width, values) = arrays::named(given, name, forms)?;
+        let (width, values) = arrays::named(&units::framed(given, name, forms)?, name, forms)?;
         let columns = forms.iter().find(|columns| columns.len() == width).copied().unwrap_or_default();
         let mut text = columns.join(",");
         for row in values.chunks_exact(width) {
@@ -39,6 +40,8 @@ impl Measured {
         if let Ok(path) = given.extract::<PathBuf>() {
             return Ok(Measured::File(path));
         }
+        let columns: Vec<&str> = known.iter().map(|column| column.name).collect();
+        let given = &units::framed(given, name, &[&columns])?;
         let keys = match given.cast::<PyDict>() {
             Ok(dict) => dict.keys().extract()?,
             Err(_) if arrays::is_frame(given)? => arrays::columns_of(given)?,
@@ -71,6 +74,52 @@ impl Measured {
         Ok(Measured::Text { name, text })
     }
 
+    /// Accepts a path, or a dict or data frame with columns of any names and of words too, such as the sign of a direction.
+    pub(crate) fn of_words(given: &Bound<'_, PyAny>, name: &'static str) -> PyResult<Measured> {
+        if let Ok(path) = given.extract::<PathBuf>() {
+            return Ok(Measured::File(path));
+        }
+        let is_dict = given.is_instance_of::<PyDict>();
+        if !is_dict && !arrays::is_frame(given)? {
+            let found = given.get_type().name()?;
+            let needed = "a file, or a dict or data frame of columns";
+            return Err(PyTypeError::new_err(format!("{name}: found {found}, needed {needed}")));
+        }
+        let keys = if is_dict { given.clone() } else { given.getattr("columns")? };
+        let (mut names, mut columns): (Vec<String>, Vec<Vec<String>>) = Default::default();
+        for key in keys.try_iter()? {
+            let key = key?;
+            let cells = given.get_item(&key)?;
+            let cells =
+                cells.try_iter()?.map(|cell| Ok(cell?.str()?.to_string())).collect::<PyResult<Vec<String>>>()?;
+            if let Some(first) = columns.first().filter(|first: &&Vec<String>| first.len() != cells.len()) {
+                let found = format!("{name}: found {} rows of {key} and {} of {}", cells.len(), first.len(), names[0]);
+                return Err(Error::new_err(format!("{found}, needed columns of equal length")));
+            }
+            names.push(key.str()?.to_string());
+            columns.push(cells);
+        }
+        if let Some(found) =
+            names.iter().chain(columns.iter().flatten()).find(|cell| cell.contains([',', '"', '\n', '#']))
+        {
+            return Err(Error::new_err(format!("{name}: found {found:?}, needed names and values without , \" and #")));
+        }
+        let mut text = names.join(",");
+        for row in 0..columns.first().map_or(0, Vec::len) {
+            let cells: Vec<&str> = columns.iter().filter_map(|column| column.get(row).map(String::as_str)).collect();
+            text += &format!("\n{}", cells.join(","));
+        }
+        Ok(Measured::Text { name, text })
+    }
+
+    /// The whole text of the measurements.
+    pub(crate) fn text(&self) -> anyhow::Result<Cow<'_, str>> {
+        match self {
+            Measured::File(path) => Ok(read_text(path, &['#', ';'])?.into()),
+            Measured::Text { text, .. } => Ok(text.into()),
+        }
+    }
+
     pub(crate) fn name(&self) -> &Path {
         match self {
             Measured::File(path) => path,
@@ -97,6 +146,30 @@ impl Measured {
             Measured::Text { text, .. } => Ok(text.as_bytes().into()),
         }
     }
+}
+
+/// Rows of a dict or data frame that has exactly these columns, in the order of `names`.
+pub(crate) fn columns_of_table(given: &Bound<'_, PyAny>, name: &str, names: &[&str]) -> PyResult<Vec<Vec<f64>>> {
+    let given = &units::framed(given, name, &[names])?;
+    let keys: Vec<String> = match given.cast::<PyDict>() {
+        Ok(dict) => dict.keys().extract()?,
+        Err(_) if arrays::is_frame(given)? => arrays::columns_of(given)?,
+        Err(_) => {
+            let found = given.get_type().name()?;
+            return Err(PyTypeError::new_err(format!("{name}: found {found}, needed a dict or data frame of columns")));
+        }
+    };
+    if keys.len() != names.len() || !names.iter().all(|name| keys.iter().any(|key| key == name)) {
+        return Err(Error::new_err(format!("{name}: found columns {}, needed {}", keys.join(", "), names.join(", "))));
+    }
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for key in names {
+        let values = given.get_item(key)?;
+        let rows = columns.first().map_or(values.len().unwrap_or(1), Vec::len);
+        columns.push(arrays::column(&values, key, rows, names.first().copied().unwrap_or(key))?);
+    }
+    let rows = columns.first().map_or(0, Vec::len);
+    Ok((0..rows).map(|row| columns.iter().filter_map(|column| column.get(row).copied()).collect()).collect())
 }
 
 fn unreadable(path: &Path, error: std::io::Error) -> anyhow::Error {

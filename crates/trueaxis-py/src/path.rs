@@ -1,6 +1,6 @@
 //! A programmed path, and the contour error of positions near it.
 
-use crate::{Error, arrays, to_python, warn};
+use crate::{Error, arrays, to_python, units, warn};
 use anyhow::anyhow;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -80,9 +80,9 @@ impl Path {
     /// Parameters
     /// ----------
     /// segment : array-like
-    ///     (n,), the reference of each position.
+    ///     Index of the segment of the path on which the reference of each position lies, (n,).
     /// u : array-like
-    ///     (n,), the reference of each position.
+    ///     Parameter of that reference within its segment, 0 to 1, (n,).
     /// actual : array-like or data frame
     ///     (n, 3), mm, or a data frame with the columns x_mm, y_mm, z_mm.
     /// max_lag_mm : float, default 1.0
@@ -115,7 +115,10 @@ impl Path {
         max_lag_mm: f64,
         method: &str,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (_, actual) = arrays::named(actual, "actual", &[&["x_mm", "y_mm", "z_mm"]])?;
+        let (_, actual) = {
+            let forms: &[&[&str]] = &[&["x_mm", "y_mm", "z_mm"]];
+            arrays::named(&units::framed(actual, "actual", forms)?, "actual", forms)?
+        };
         let count = actual.len() / 3;
         let segment = arrays::column(segment, "segment", count, "actual")?;
         let u = arrays::column(u, "u", count, "actual")?;

@@ -1,8 +1,8 @@
 //! Simulation of a part program on a machine.
 
 use crate::machine::Machine;
-use crate::shown::result;
-use crate::{Error, documents, to_python, warn};
+use crate::shown::table_result;
+use crate::{Error, json, to_python, warn};
 use anyhow::Context;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -11,11 +11,12 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use trueaxis::machine::ErrorModel;
+use trueaxis_evaluation::shown::{Cell, Table};
 use trueaxis_sim::event::EventScript;
 use trueaxis_sim::learning::LearnedTable;
 use trueaxis_sim::plant::fault::FaultScript;
 use trueaxis_sim::program::{self, BUILTIN_NAMES, Offsets, ReadOptions, Source, ToolTable};
-use trueaxis_sim::run::{Column, Kind, Moment, Run, RunDocument, Sample, columns};
+use trueaxis_sim::run::{Column, Kind, Moment, Run, RunDocument, Sample, Size, columns};
 use trueaxis_sim::scenario::choose_model;
 use trueaxis_sim::{Scenario, Settings};
 
@@ -46,7 +47,7 @@ impl Program {
     /// offsets : path-like, optional
     ///     A parameter file of LinuxCNC, or a .toml file.
     /// block_delete : bool, default False
-    ///     Skips the lines that begin with `/`.
+    ///     Whether lines that begin with `/` are skipped.
     ///
     /// Returns
     /// -------
@@ -301,21 +302,22 @@ impl Request<'_> {
 /// program : Program
 ///     The part program.
 /// seed : int, optional
-///     Replace these keys after that.
+///     Seed of the encoders' noise. Replaces the key of the scenario, after `settings`.
 /// rate_hz : float, optional
-///     Replace these keys after that.
+///     Servo rate, Hz. Replaces the key of the scenario, after `settings`.
 /// temperature_c : float, optional
-///     Replace these keys after that.
+///     Temperature of the machine, °C. Replaces the key of the scenario, after `settings`.
 /// origin_mm : sequence of float, optional
-///     Replace these keys after that.
+///     Machine coordinates of the zero of the program's controller, mm. Replaces the key of the scenario, after `settings`.
 /// scenario : str, optional
 ///     The text of a scenario file.
 /// settings : Mapping[str, float or list[float] or list[str]], optional
 ///     Replaces keys of the scenario, like `--set`: {"drive.dead_time_s": 0.001}.
 /// faults : sequence of str, optional
-///     Additions to those of the scenario; an event `exchange:NAME@2s` uses the machine NAME of `exchanges`.
+///     Faults to inject, such as "dropout:X@1.25s+3", besides those of the scenario.
 /// events : sequence of str, optional
-///     Additions to those of the scenario; an event `exchange:NAME@2s` uses the machine NAME of `exchanges`.
+///     Events besides those of the scenario, such as "off:correction@2.5s"; `exchange:NAME@2s` uses the machine NAME of
+///     `exchanges`.
 /// exchanges : Mapping[str, Machine], optional
 ///     Machines whose tables an event may put into effect, by name.
 /// on_trial : bool, default False
@@ -328,7 +330,7 @@ impl Request<'_> {
 /// orientation : bool, optional
 ///     Whether the rotary axes correct the tool's direction; by default, as the machine states.
 /// learned : path-like, optional
-///     A .tlearn file.
+///     A .tlearn file, the correction over path length that `learn` returns.
 /// kinds : Sequence[{"uncompensated", "compensated", "servo_only", "full", "configured"}], optional
 ///     Machines to simulate side by side, from uncompensated, compensated, servo_only, full, configured; by
 ///     default, the command's.
@@ -419,9 +421,15 @@ pub(crate) fn simulate<'py>(
     let machines: Vec<_> = kinds.into_iter().zip(run.tallies()).collect();
     let document = RunDocument::<()>::of(&scenario, run.cycles(), &machines);
     document.notes.iter().try_for_each(|note| warn(py, note))?;
-    let found = documents::dictionary(py, &document)?;
+    let found = json::dictionary(py, &document)?;
     if let Some(traces) = traces {
         found.set_item("trace", traces.tables(py)?)?;
     }
-    result("Run", found, None)
+    let sizes = document.figures.contour_error_um.0.iter();
+    let row =
+        |(kind, size): &(Kind, Size)| vec![kind.words().into(), Cell::number(size.max, 4), Cell::number(size.rms, 4)];
+    let table = Table::new("Contour error, µm", ["machine", "largest", "RMS"], sizes.map(row));
+    let RunDocument { machine, program, simulated_s, .. } = &document;
+    let text = format!("{program} on {machine}: {simulated_s:.3} s simulated\n\n");
+    table_result("Run", found, "Simulated run", (text, table))
 }

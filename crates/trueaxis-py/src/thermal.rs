@@ -3,9 +3,14 @@
 use crate::machine::Machine;
 use crate::measured::Measured;
 use crate::shown::result;
-use crate::{documents, raised, warn};
+use crate::{Error, json, raised, to_python, warn};
+use anyhow::anyhow;
 use pyo3::prelude::*;
-use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, settings, written};
+use pyo3::types::PyBytes;
+use std::path::PathBuf;
+use trueaxis::tcomp::machine_id;
+use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, model, settings, written};
+use trueaxis_tables::text::read_text;
 
 /// Fit lags of sensors and curves of growth to cycles recorded according to ISO 230-3.
 ///
@@ -64,9 +69,57 @@ pub(crate) fn thermal_fit<'py>(
     let document = found.document();
     document.missing.iter().try_for_each(|own| warn(py, &own.to_string()))?;
     let shown = document.shown(&found);
-    let document = documents::dictionary(py, &document)?;
+    let document = json::dictionary(py, &document)?;
     if toml {
         document.set_item("toml", written(&found))?;
     }
     result("ThermalFit", document, Some(shown))
+}
+
+/// Compile thermal growth into the file that the controller's task reads.
+///
+/// Parameters
+/// ----------
+/// thermal : ThermalFit or path-like
+///     A fit made with toml=True, or a thermal.toml.
+/// machine : Machine
+///     The machine whose growth it is; its reference temperature and datums must be those of the fit.
+///
+/// Returns
+/// -------
+/// bytes
+///     The .ttherm file that `trueaxis thermal compile` writes.
+///
+/// Raises
+/// ------
+/// trueaxis.Error
+///     With file and line: an axis that the machine does not have, another reference temperature or datum.
+#[pyfunction]
+#[pyo3(signature = (thermal, *, machine))]
+pub(crate) fn thermal_compile<'py>(
+    py: Python<'py>,
+    thermal: &Bound<'py, PyAny>,
+    machine: &Bound<'py, Machine>,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let (file, text) = match thermal.extract::<PathBuf>() {
+        Ok(file) => {
+            let text = to_python(read_text(&file, &['#']).map_err(Into::into))?;
+            (file, text)
+        }
+        Err(_) => match thermal.getattr("toml").and_then(|text| text.extract::<String>()) {
+            Ok(text) => (PathBuf::from("thermal"), text),
+            Err(_) => {
+                let found = thermal.get_type().name()?;
+                let needed = "a thermal.toml, or a result of thermal_fit with toml=True";
+                return Err(Error::new_err(format!("thermal: found {found}, needed {needed}")));
+            }
+        },
+    };
+    let settings = &machine.get().machine.settings;
+    let bytes = to_python(py.detach(|| {
+        let model = model(&text, &file, settings)?;
+        let id = machine_id(&settings.name, &settings.chain);
+        model.encode(id).map_err(|error| anyhow!("{}: {error}", file.display()))
+    }))?;
+    Ok(PyBytes::new(py, &bytes))
 }

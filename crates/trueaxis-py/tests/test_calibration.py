@@ -54,6 +54,28 @@ def test_a_calibration_is_that_of_the_command(task, tmp_path):
     assert all(of["written"] and of["why"].startswith("forced, the rule writes ") for of in found["written"])
 
 
+def test_the_terms_of_a_calibration_are_correlated(task):
+    """Their covariance has the standard errors that are printed, and sums of terms have the scatter that it gives."""
+    found = trueaxis.calibrate_solve(task, task.with_name("probe.log"), residuals=True)
+    covariance, errors = np.array(found.covariance.matrix), [term.standard_error for term in found.terms]
+    assert found.covariance.names == tuple(term.name for term in found.terms)
+    assert np.sqrt(np.diag(covariance)) == pytest.approx(errors, rel=1e-12)
+    assert np.linalg.eigvalsh(found.correlation).min() > -1e-12 and np.abs(found.correlation).max() == 1
+    assert np.abs(found.correlation - np.eye(len(errors))).max() > 0.1
+    numbers = found.to_ufloats()
+    assert [number.std_dev for number in numbers.values()] == pytest.approx(errors)
+    assert [number.nominal_value for number in numbers.values()] == [term.value for term in found.terms]
+    one, other = np.argwhere(np.abs(np.tril(found.correlation, -1)) > 0.1)[0]
+    both = list(numbers.values())[one] + list(numbers.values())[other]
+    assert both.std_dev == pytest.approx(np.sqrt(covariance[one, one] + covariance[other, other] + 2 * covariance[one, other]))
+    # The touches' scatter is that of their residuals.
+    assert found.residuals_um.shape == (81,)
+    assert np.sqrt(np.sum(found.residuals_um**2) / found.degrees_of_freedom) == pytest.approx(found.sigma_um, rel=0.1)
+    assert trueaxis.calibrate_solve(task, task.with_name("probe.log")).residuals_um is None
+    with pytest.raises(ValueError, match="Circle: found no covariance"):
+        trueaxis.circle([[1, 0], [0, 1], [-1, 0]]).to_ufloats()
+
+
 def test_a_log_that_cannot_be_used_is_refused_in_the_words_of_the_command(task, tmp_path):
     lines = task.with_name("probe.log").read_text().splitlines()
     cases = {

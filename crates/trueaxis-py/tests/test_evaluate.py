@@ -79,6 +79,10 @@ def test_location_errors_of_rotary_axes(tmp_path):
     found = same_as_command(tmp_path, "r-test", record, call, *options)
     assert found["written"]
     assert {term["name"] for term in found["terms"]} >= {"EY0C", "EY0A"}
+    fitted = trueaxis.evaluate_r_test(record, machine=five, without=["EX0C"], residuals=True)
+    assert np.sqrt(np.diag(fitted.covariance.matrix)) == pytest.approx([term.standard_error for term in fitted.terms])
+    assert fitted.residuals_um.shape == (40, 3) and fitted.to_ufloats()["EY0A"].nominal_value == fitted.terms[fitted.covariance.names.index("EY0A")].value
+    assert np.sqrt(np.mean(np.sum(fitted.residuals_um**2, axis=1))) == pytest.approx(fitted.left_rms_um)
     mill = trueaxis.Machine.load(TABLES / "mill-3axis")
     assert refused(lambda: trueaxis.evaluate_r_test(record, machine=mill)).startswith("record:2: column a_deg: found an angle")
 

@@ -6,6 +6,7 @@ import pickle
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 import pytest
 
 import trueaxis
@@ -90,7 +91,15 @@ def test_a_notebook_shows_tables_and_figures(ballbar):
     found, _, _ = ballbar
     shown = found._repr_html_()
     assert shown.count("<table>") == len(found.tables) and shown.count("<figure") == len(found.plots)
-    assert "<pre>Run(" in trueaxis.simulate(trueaxis.Machine.load(TABLES / "mill-3axis"), trueaxis.Program.from_text("G21 G90 F1500\nG1 X1\nM2\n"), rate_hz=1000)._repr_html_()
+
+
+def test_a_run_a_plan_and_angles_print_their_table():
+    run = trueaxis.simulate(trueaxis.Machine.load(TABLES / "mill-3axis"), trueaxis.Program.from_text("G21 G90 F1500\nG1 X1\nM2\n"), rate_hz=1000)
+    assert repr(run).startswith("program on mill-3axis: 0.") and run.to_frame().loc["corrected", "largest"] == run.contour_error_um.compensated["max"]
+    angles = trueaxis.probe_angles(n=64, count=2)
+    code, out, err = command("probe-angles", "--n", "64", "--count", "2")
+    assert code == 0, err
+    assert repr(angles) == out.rstrip("\n") and "<table>" in angles._repr_html_() and len(angles.to_frame()) == 2
 
 
 def test_a_result_is_pickled_whole(ballbar):
@@ -134,6 +143,20 @@ def test_the_accuracy_of_an_axis_is_that_of_the_command():
         assert code == 0, err
         assert found == json.loads(out)
     assert found.verdict.figure == "A" and found.figures["A, bidirectional accuracy"].expanded > 0
+
+
+def test_the_accuracy_of_a_frame_is_that_of_its_file():
+    """As rows, and as the matrix of an instrument: a column for each run and direction."""
+    rows = pd.read_csv(MEASURED, comment="#")
+    found = trueaxis.accuracy(MEASURED).measured
+    assert trueaxis.accuracy(rows).measured == found
+    runs = rows.assign(column=rows.direction + rows.run.astype(str))
+    matrix = runs.pivot_table(index="X_mm", columns="column", values="deviation_um").reset_index()
+    assert trueaxis.accuracy(matrix).measured == found
+    assert trueaxis.accuracy({name: matrix[name].to_numpy() for name in matrix}).measured == found
+    assert refused(lambda: trueaxis.accuracy({"X_mm": [1, 2], "+1": [3]})).startswith("record: found 1 rows of +1 and 2 of X_mm")
+    assert refused(lambda: trueaxis.accuracy(rows.assign(direction="a,b"))).startswith('record: found "a,b"')
+    refused(lambda: trueaxis.accuracy(np.zeros((3, 3))), TypeError)
 
 
 def test_an_accuracy_that_cannot_be_stated_is_refused(tmp_path):

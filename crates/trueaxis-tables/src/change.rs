@@ -88,6 +88,29 @@ impl From<&Setting> for Value {
 /// # Errors
 /// No such table, column or row; a machine that the controller would refuse.
 pub fn change(files: &dyn Source, name: &Path, change: &Change) -> Result<Edited, FileError> {
+    changes(files, name, std::slice::from_ref(change))
+}
+
+/// The files after several changes, one after the other, of which only the result is checked: on the way to it, a table may
+/// be one that the controller would refuse.
+///
+/// # Errors
+/// As [`change`]; a row to insert into a table that the changes before it have made unreadable.
+pub fn changes(files: &dyn Source, name: &Path, changes: &[Change]) -> Result<Edited, FileError> {
+    let mut edited: Vec<(PathBuf, String)> = Vec::new();
+    for change in changes {
+        let changed = Memory::new(edited.iter().map(|(file, text)| (file, text.as_str())));
+        let (file, text) = changed_file(&Edit { changed, beneath: files }, name, change)?;
+        edited.retain(|(own, _)| *own != file);
+        edited.push((file, text));
+    }
+    let changed = Memory::new(edited.iter().map(|(file, text)| (file, text.as_str())));
+    Machine::read_from(&Edit { changed, beneath: files }, name, &mut |_| {})?;
+    Ok(Edited { files: edited, notes: Vec::new() })
+}
+
+/// The file that a change concerns, and its text after it; the machine is not checked.
+fn changed_file(files: &dyn Source, name: &Path, change: &Change) -> Result<(PathBuf, String), FileError> {
     let edited = match change {
         Change::Key { key, value } => key_set(files, name, key, value.as_ref())?,
         Change::Point { axis, .. } | Change::Insert { axis, .. } | Change::Remove { axis, .. } => {
@@ -115,9 +138,7 @@ pub fn change(files: &dyn Source, name: &Path, change: &Change) -> Result<Edited
             (table.path, text)
         }
     };
-    let changed = Memory::new([(&edited.0, edited.1.as_str())]);
-    Machine::read_from(&Edit { changed, beneath: files }, name, &mut |_| {})?;
-    Ok(Edited { files: vec![edited], notes: Vec::new() })
+    Ok(edited)
 }
 
 fn point(

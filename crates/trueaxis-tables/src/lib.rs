@@ -28,7 +28,7 @@ pub mod uncertainty;
 mod warning;
 
 pub use additions::Additions;
-pub use change::{Change, Setting, change};
+pub use change::{Change, Setting, change, changes};
 pub use compile::{build, compile};
 pub use document::Edited;
 pub use dynamic_needs::{DynamicNeed, dynamic_needs};

@@ -3,7 +3,7 @@
 use std::path::Path;
 use trueaxis::machine::Axis;
 use trueaxis_tables::files::{Memory, Source};
-use trueaxis_tables::{Change, Machine, Setting, change, table_texts};
+use trueaxis_tables::{Change, Machine, Setting, change, changes, table_texts};
 
 const DESCRIPTION: &str = "# The mill of hall 2.\nname = \"mill\"\nchain = \"w X' b C t\"  # table and spindle\n\n\
     [axis.X]\ntable = \"x.csv\"\ninterpolation = \"cubic\"\nbacklash_um = 1.5 # by dial gauge\n\n[axis.C]\ntable = \"c.csv\"\n";
@@ -40,6 +40,24 @@ fn a_point_changes_its_field_and_nothing_else() {
     assert_eq!(changed(&point(Axis::X, "EXX_um", 0, -1.25)), ("x.csv".into(), new));
     assert_eq!(changed(&point(Axis::X, "EYX_rev_um", 2, 7.0)).1, X.replace("20,-3,0,0.5", "20,-3,0,7"));
     assert_eq!(changed(&point(Axis::X, "X_mm", 1, 9.5)).1, X.replace("10,2.5", "9.5,2.5"));
+}
+
+/// Positions that cross on the way to a table in order; only the result is checked, and a refused one changes nothing.
+#[test]
+fn several_changes_are_checked_as_one() {
+    let both = [
+        point(Axis::X, "X_mm", 0, 12.0),
+        point(Axis::X, "X_mm", 1, 15.0),
+        key("axis.X.backlash_um", Setting::Number(2.0)),
+    ];
+    refused(&both[0]);
+    let edited = changes(&files(), Path::new("machine.toml"), &both).unwrap();
+    let named: Vec<_> = edited.files.iter().map(|(name, text)| (name.to_str().unwrap(), text.as_str())).collect();
+    let table = X.replace("0, 1.0 ,0,0.5", "12, 1.0 ,0,0.5").replace("10,2.5", "15,2.5");
+    let description = DESCRIPTION.replace("backlash_um = 1.5", "backlash_um = 2.0");
+    assert_eq!(named, [("x.csv", table.as_str()), ("machine.toml", description.as_str())]);
+    assert!(changes(&files(), Path::new("machine.toml"), &both[..1]).is_err());
+    assert!(changes(&files(), Path::new("machine.toml"), &[]).unwrap().files.is_empty());
 }
 
 #[test]

@@ -1,19 +1,15 @@
 //! `trueaxis learn`.
 
-mod document;
-
 use crate::csv_in;
 use crate::output::{json, print};
 use crate::report;
 use anyhow::{Context, Result, anyhow};
 use clap::Args;
-use document::LearnDocument;
 use std::fs::File;
 use std::path::PathBuf;
-use trueaxis::learned::Learned;
-use trueaxis_evaluation::learn::{COLUMNS, Record};
+use trueaxis_evaluation::learn::{COLUMNS, Record, learned};
 use trueaxis_evaluation::model;
-use trueaxis_metrology::learning::{DEFAULT_CUTOFF_MM, DEFAULT_FORGET, DEFAULT_GAIN, Law, Lesson};
+use trueaxis_metrology::learning::{DEFAULT_CUTOFF_MM, DEFAULT_FORGET, DEFAULT_GAIN, Law};
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const EXAMPLE: &str = "\
@@ -78,16 +74,8 @@ pub(crate) fn run(arguments: &LearnArgs) -> Result<()> {
     };
     let bytes = arguments.table.as_ref().map(|table| model::bytes(table).context("--table"));
     let bytes = bytes.transpose()?;
-    let old = match (&arguments.table, &bytes) {
-        (Some(table), Some(bytes)) => {
-            Some(belonging(bytes, &record).with_context(|| format!("--table {}", table.display()))?)
-        }
-        _ => None,
-    };
-    let lesson = Lesson::learn(&law, &record.identity, old.as_ref(), &record.rows)
-        .map_err(|refused| record.refused(&refused))?;
-    let file = lesson.to_bytes().map_err(|refused| record.refused(&refused))?;
-    let document = LearnDocument::new(&record, law, &lesson);
+    let old = arguments.table.as_deref().zip(bytes.as_deref());
+    let (document, lesson, file) = learned(law, &record, old)?;
     let shown = document.shown(&lesson);
     let mut outputs = Outputs::of([&arguments.record].into_iter().chain(&arguments.table));
     if let Some(to) = &arguments.report {
@@ -98,12 +86,4 @@ pub(crate) fn run(arguments: &LearnArgs) -> Result<()> {
     outputs.put(&arguments.output, &file)?;
     outputs.commit()?;
     if arguments.json { json(&document) } else { print(&shown.text()) }
-}
-
-/// Parses a correction that must belong to the record's program and machine.
-fn belonging<'b>(bytes: &'b [u8], record: &Record) -> Result<Learned<'b, f64>> {
-    let learned = Learned::parse(bytes)?;
-    learned.expect_machine(record.identity.machine_id)?;
-    learned.expect_program(record.identity.program_id, record.identity.length_mm)?;
-    Ok(learned)
 }

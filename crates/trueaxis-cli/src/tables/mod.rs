@@ -5,10 +5,13 @@ pub(crate) mod collapse;
 mod compile;
 mod convert;
 
+use crate::model;
+use crate::output::report_line;
 use anyhow::{Result, bail};
 use clap::Subcommand;
 use std::path::PathBuf;
 use trueaxis::Axis;
+use trueaxis_evaluation::transfer;
 use trueaxis_tables::formats::{ExportOptions, Loss};
 
 pub(crate) const EXAMPLE: &str = "\
@@ -181,18 +184,18 @@ pub(crate) fn run(command: Command) -> Result<()> {
         Command::Show { file, json } => compile::show(&file, json),
         Command::Collapse(arguments) => collapse::run(&arguments),
         Command::Import { from, file, axis, comp_file_type, unit, columns, area, mesh, output, new } => {
-            let format = convert::format("--from", &from, comp_file_type)?;
-            let options = convert::ImportOptions {
+            let format = transfer::format("--from", &from, comp_file_type)?;
+            let options = transfer::ImportOptions {
                 format,
                 recognise: from == "linuxcnc" && comp_file_type.is_none(),
                 axis: axis_of(axis.as_deref())?,
-                unit: unit.as_deref().map(|unit| convert::unit(unit, format)).transpose()?,
+                unit: unit.as_deref().map(|unit| transfer::unit(unit, format)).transpose()?,
                 columns: columns.as_deref(),
-                area: area.as_deref().map(convert::area).transpose()?,
+                area: area.as_deref().map(transfer::area).transpose()?,
                 mesh: mesh.as_deref(),
                 new,
             };
-            convert::import(&options, &file, &output)
+            transfer::import(&options, &file, &output, &mut report_line).map(|_| ())
         }
         Command::Export { to, machine, axis, comp_file_type, drop, step, output } => {
             let options = ExportOptions {
@@ -201,7 +204,9 @@ pub(crate) fn run(command: Command) -> Result<()> {
                 step,
                 source: machine.clone(),
             };
-            convert::export(convert::format("--to", &to, comp_file_type)?, &machine, &options, &output)
+            let format = transfer::format("--to", &to, comp_file_type)?;
+            let inputs = model::files(&machine);
+            transfer::export(format, &model::source(&machine)?, inputs, &options, &output, &mut report_line).map(|_| ())
         }
         Command::Accuracy { measured, machine, axis, instrument, tolerance_um, confidence, json } => {
             let bands = instrument.as_deref().map(|machine| accuracy::Bands { machine, tolerance_um, confidence });

@@ -4,6 +4,7 @@ use super::artefact::Kind;
 use super::solve::Calibration;
 use super::task::Task;
 use super::terms::Term;
+use crate::uncertainty::CovarianceDocument;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use trueaxis::machine::Axis;
@@ -79,6 +80,8 @@ pub struct CalibrationDocument {
     pub signal_um: f64,
     /// Every term.
     pub terms: Vec<SolvedTerm>,
+    /// Covariance of the terms; its diagonal are the squares of their standard errors.
+    pub covariance: CovarianceDocument,
     /// Location errors found, `C0Y_urad`, `EX0C_um`.
     pub location: BTreeMap<String, f64>,
     /// For every linear axis `scale_ppm`, `backlash_um`, and the range (maximum less minimum) of its curves without the scale,
@@ -139,6 +142,7 @@ impl Calibration {
             repeatability_um: 1e3 * task.probe.repeatability_mm,
             signal_um: 1e3 * solution.signal_mm,
             terms: found.collect(),
+            covariance: self.covariance(),
             location,
             axes,
             standard_errors: errors,
@@ -148,6 +152,15 @@ impl Calibration {
             drift: drift.collect(),
             warnings: self.warnings(task),
         }
+    }
+
+    fn covariance(&self) -> CovarianceDocument {
+        let of = |term: &Term| {
+            let (unit, factor) = term.unit();
+            (term.name(), unit, factor)
+        };
+        let terms = self.observed.terms.terms.iter().map(of).collect();
+        CovarianceDocument::of(terms, |i, j| self.solution.covariance[i][j])
     }
 
     fn warnings(&self, task: &Task) -> Vec<String> {

@@ -1,6 +1,7 @@
 //! Errors identified from an R-test, as a document.
 
 use super::{RTestFit, Record, name};
+use crate::uncertainty::CovarianceDocument;
 use serde::Serialize;
 use trueaxis_tables::Machine;
 
@@ -30,6 +31,8 @@ pub struct RTestDocument {
     pub range_um: [f64; 3],
     /// Location errors found.
     pub terms: Vec<Term>,
+    /// Covariance of the location errors; its diagonal are the squares of their standard errors.
+    pub covariance: CovarianceDocument,
     /// Offsets of the balls from their commanded places, workpiece's frame.
     pub balls_um: Vec<[f64; 3]>,
     /// Zero of the nest, tool's frame; null if the nest was calibrated.
@@ -60,8 +63,9 @@ const DOUBTFUL_CONDITION: f64 = 100.0;
 impl RTestDocument {
     /// The document of the errors found from a record on a machine.
     pub fn new(record: &Record, found: &RTestFit, machine: &Machine) -> RTestDocument {
+        let scaled = |component: usize| if component < 3 { ("um", 1e3) } else { ("urad", 1e6) };
         let terms = found.terms.iter().map(|&((axis, component), value, error)| {
-            let (unit, scale) = if component < 3 { ("um", 1e3) } else { ("urad", 1e6) };
+            let (unit, scale) = scaled(component);
             let before = machine.settings.location.of(axis).map_or(0.0, |own| own[component]);
             Term {
                 name: name((axis, component)),
@@ -71,6 +75,11 @@ impl RTestDocument {
                 before: scale * before,
             }
         });
+        let named = found.terms.iter().map(|(error, _, _)| {
+            let (unit, scale) = scaled(error.1);
+            (name(*error), unit, scale)
+        });
+        let covariance = CovarianceDocument::of(named.collect(), |i, j| found.covariance[i][j]);
         let along = |c: usize| record.readings.iter().map(move |reading| 1e3 * reading.displacement_mm[c]);
         let range_um = [0, 1, 2].map(|c| along(c).fold(f64::MIN, f64::max) - along(c).fold(f64::MAX, f64::min));
         let mean = [0, 1, 2].map(|c| along(c).sum::<f64>() / record.readings.len().max(1) as f64);
@@ -114,6 +123,7 @@ impl RTestDocument {
             balls: record.balls.len(),
             range_um,
             terms: terms.collect(),
+            covariance,
             balls_um: found.balls_mm.iter().map(|ball| ball.map(|mm| 1e3 * mm)).collect(),
             sensor_um: found.sensor_mm.map(|zero| zero.map(|mm| 1e3 * mm)),
             rms_um: (squares / count).sqrt(),

@@ -27,6 +27,8 @@ pub struct Options {
 pub struct RTestFit {
     /// The fitted location errors, with value and standard error in mm or rad.
     pub terms: Vec<((Axis, usize), f64, f64)>,
+    /// Covariance of the location errors, row by row, in products of mm and rad.
+    pub covariance: Vec<Vec<f64>>,
     /// Offsets of the balls from their commanded places, workpiece's frame, mm.
     pub balls_mm: Vec<[f64; 3]>,
     /// Zero of the nest, tool's frame, mm.
@@ -86,12 +88,16 @@ pub fn identify(record: &Record, file: &str, machine: &Machine, options: &Option
         );
     }
     let sigma_mm = solution.sigma();
+    let errors = 0..unknowns.errors.len();
+    let of_row = |i| errors.clone().map(|j| sigma_mm * sigma_mm * solution.covariance_factor(i, j)).collect();
+    let covariance = errors.clone().map(of_row).collect();
     let terms = unknowns.errors.iter().zip(&solution.values).zip(&solution.error_factors);
     let left: Vec<f64> =
         equations.iter().map(|equation| equation.value - dot(&equation.coefficients, &solution.values)).collect();
     let three = |from: usize| [0, 1, 2].map(|k| solution.values[from + k]);
     Ok(RTestFit {
         terms: terms.map(|((error, value), factor)| (*error, *value, sigma_mm * factor)).collect(),
+        covariance,
         balls_mm: (0..record.balls.len()).map(|ball| three(unknowns.ball(ball))).collect(),
         sensor_mm: unknowns.sensor().map(three),
         known_mm,

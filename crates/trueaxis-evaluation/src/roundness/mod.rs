@@ -4,6 +4,7 @@ mod agreement;
 mod document;
 mod orbit;
 mod polar;
+mod radii;
 mod shown;
 mod trace;
 
@@ -12,6 +13,7 @@ pub use document::{
 };
 pub use orbit::orbit;
 pub use polar::polar;
+pub use radii::Radii;
 pub use trace::{InterpolationError, Resampling};
 
 use crate::probes::Probes;
@@ -33,6 +35,18 @@ pub const COLUMNS: [Column; 4] = [
     Column { name: "h3_um", needed: true },
     Column { name: "theta_deg", needed: false },
 ];
+
+/// A trace at N equidistant angles from 0, the mean of its whole revolutions; its rows must resolve a harmonic.
+///
+/// # Errors
+/// Angles that do not increase, gaps wider than half a wave of the harmonic, less than a revolution.
+fn resampled(trace: &[f64], theta_deg: &[f64], points: usize, harmonic: u16) -> Result<Vec<f64>> {
+    let mut rows = trace::InMemory { readings: [trace; 3], theta_deg, next: 0, of_sensors: false };
+    let ([values, _, _], _) = trace::read(&mut rows, points, Band { first: 2, last: harmonic })?;
+    let revolutions = values.len() / points;
+    let mean = |i: usize| values.iter().skip(i).step_by(points).sum::<f64>() / revolutions as f64;
+    Ok((0..points).map(mean).collect())
+}
 
 /// The probes' readings as channels.
 fn channels(probes: &[Vec<f64>; 3]) -> [Channel<'_>; 3] {
@@ -170,7 +184,7 @@ impl Plan {
     /// # Errors
     /// Angles that cannot be resampled; rows are named by index.
     pub fn resample(&self, readings: [&[f64]; 3], theta_deg: &[f64]) -> Result<Readings> {
-        let mut rows = trace::InMemory { readings, theta_deg, next: 0 };
+        let mut rows = trace::InMemory { readings, theta_deg, next: 0, of_sensors: true };
         let (probes, resampling) = trace::read(&mut rows, self.points, self.band)?;
         Ok(Readings { probes, resampling: Some(resampling) })
     }

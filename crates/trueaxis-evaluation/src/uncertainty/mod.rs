@@ -18,6 +18,7 @@
 //! Sources: JCGM 100:2008, 5.1.2; JCGM 101:2008, clause 7; ISO/TR 230-9:2005 for the terms of an instrument.
 
 mod bands;
+mod covariance;
 mod document;
 mod monte_carlo;
 mod options;
@@ -26,6 +27,7 @@ mod shown;
 mod terms;
 
 pub use bands::{band_factor, expanded};
+pub use covariance::CovarianceDocument;
 pub use document::{AtPoint, Share, Spread, UncertaintyDocument};
 pub use options::Options;
 pub use terms::{per_length, reading};

@@ -317,5 +317,27 @@ impl Separator {
     }
 }
 
+/// Returns a closed profile at equidistant angles after a Gaussian filter (ISO 16610-21) with a cut-off in undulations per
+/// revolution: all of its harmonics, with mean and eccentricity.
+///
+/// # Errors
+/// Fewer than three points, or a cut-off that is not in [`filter::CUT_OFFS`].
+pub fn filtered(profile: &[f64], cut_off: u16) -> Result<Vec<f64>, ConfigError> {
+    filter::check(cut_off)?;
+    let points = profile.len();
+    if points < 3 {
+        return Err(ConfigError::new(Field::Points, points as f64, "at least 3"));
+    }
+    let transforms = Transforms::new(points)?;
+    let (mut series, mut spectrum) = (profile.to_vec(), std::vec![Complex::default(); points / 2 + 1]);
+    let mut scratch = std::vec![Complex::default(); transforms.scratch()];
+    transforms.forward(&mut series, &mut spectrum, &mut scratch);
+    for (k, amplitude) in spectrum.iter_mut().enumerate() {
+        *amplitude *= filter::transmission(k, cut_off) / points as f64;
+    }
+    transforms.backward(&mut spectrum, &mut series, &mut scratch);
+    Ok(series)
+}
+
 #[cfg(test)]
 mod tests;

@@ -183,6 +183,20 @@ fn the_filter_halves_its_cut_off() {
     assert!(separator.filtered(&profile, 51).is_err() && separator.filtered(&profile[1..], 50).is_err());
 }
 
+/// Any number of points, and nothing of the profile but the filter's share is lost: not the mean, not the eccentricity.
+#[test]
+fn a_trace_alone_is_filtered_as_a_profile_is() {
+    for points in [360_u32, 721, 1024] {
+        let wave = |k: f64, i: u32| (TAU * k * f64::from(i) / f64::from(points)).cos();
+        let trace: Vec<f64> = (0..points).map(|i| 25.0 + wave(1.0, i) + 4.0 * wave(50.0, i)).collect();
+        let filtered = filtered(&trace, 50).unwrap();
+        let first = 2.0_f64.powf(-1.0 / 2500.0);
+        let expected = (0..points as i32).map(|i| 25.0 + first * wave(1.0, i as u32) + 2.0 * wave(50.0, i as u32));
+        assert!(largest_difference(&filtered, expected) < 1e-12, "{points}");
+    }
+    assert!(filtered(&[1.0; 360], 51).is_err() && filtered(&[1.0; 2], 50).is_err());
+}
+
 #[test]
 fn inseparable_harmonics_are_refused() {
     let refused = |angles: ProbeAngles, band, limit, ratio| {

@@ -1,5 +1,6 @@
 from collections.abc import Mapping, Sequence
 from os import PathLike
+from pathlib import Path as _Path
 from typing import Any, ClassVar, Literal, Protocol, TypedDict, final, type_check_only
 
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._results import Figure as Figure, Result as Result, Section as Section
 from ._types import *
 
-__all__ = ["Error", "NeedsPerson", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "calibrate_plan", "calibrate_solve", "keep_plan", "keep_begin", "keep_check", "keep_apply", "keep_undo", "keep_history", "thermal_fit", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate", "accuracy", "__version__", "Figure", "Result", "Section", "Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "Uncertainty", "Helicoid", "Run"]
+__all__ = ["Error", "NeedsPerson", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "calibrate_plan", "calibrate_solve", "keep_plan", "keep_begin", "keep_check", "keep_apply", "keep_undo", "keep_history", "thermal_fit", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate", "accuracy", "thermal_compile", "learn", "import_table", "export_table", "trace_roundness", "__version__", "Figure", "Result", "Section", "Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "Uncertainty", "Helicoid", "Learned", "Transfer", "Run"]
 
 __version__: str
 
@@ -51,6 +52,10 @@ class Machine:
     def model(self) -> str: ...
     @property
     def columns(self) -> list[str]: ...
+    def table(self, axis: Literal["X", "Y", "Z", "A", "B", "C"]) -> dict[str, NDArray[np.float64]]: ...
+    def with_table(self, axis: Literal["X", "Y", "Z", "A", "B", "C"], table: Mapping[str, ArrayLike] | Frame) -> Machine: ...
+    def with_setting(self, key: str, value: float | bool | str | Sequence[float] | None) -> Machine: ...
+    def save(self, folder: str | PathLike[str] | None = None) -> list[_Path]: ...
     def compile(self, *, rate_hz: float = 10000.0) -> bytes: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
@@ -207,7 +212,14 @@ def ballbar(
     traces: bool = False,
 ) -> Ballbar: ...
 def calibrate_plan(task: str | PathLike[str]) -> CalibrationPlan: ...
-def calibrate_solve(task: str | PathLike[str], log: str | PathLike[str], *, files: bool = False, force: bool = False) -> Calibration: ...
+def calibrate_solve(
+    task: str | PathLike[str],
+    log: str | PathLike[str],
+    *,
+    files: bool = False,
+    force: bool = False,
+    residuals: bool = False,
+) -> Calibration: ...
 def keep_plan(task: str | PathLike[str]) -> KeepPlan: ...
 def keep_begin(task: str | PathLike[str], log: str | PathLike[str], *, time: str | None = None, parts: int | None = None) -> Reprobing: ...
 def keep_check(
@@ -239,6 +251,38 @@ def thermal_fit(
     without: Sequence[str] = ...,
     toml: bool = False,
 ) -> ThermalFit: ...
+def thermal_compile(thermal: ThermalFit | str | PathLike[str], *, machine: Machine) -> bytes: ...
+def learn(
+    record: str | PathLike[str],
+    *,
+    table: str | PathLike[str] | None = None,
+    gain: float = ...,
+    forget: float = ...,
+    cutoff_mm: float = ...,
+) -> Learned: ...
+def import_table(
+    file: str | PathLike[str],
+    folder: str | PathLike[str],
+    *,
+    format: str,
+    axis: Literal["X", "Y", "Z", "A", "B", "C"] | None = None,
+    comp_file_type: Literal[0, 1] | None = None,
+    unit: Literal["mm", "um", "inch"] | None = None,
+    columns: Mapping[str, str] | None = None,
+    area_mm: Sequence[float] | None = None,
+    mesh: str | None = None,
+    new: bool = False,
+) -> Transfer: ...
+def export_table(
+    machine: Machine,
+    file: str | PathLike[str],
+    *,
+    format: str,
+    axis: Literal["X", "Y", "Z", "A", "B", "C"] | None = None,
+    comp_file_type: Literal[0, 1] | None = None,
+    drop: bool = False,
+    step: float | None = None,
+) -> Transfer: ...
 def evaluate_probing(
     record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
     *,
@@ -265,6 +309,7 @@ def evaluate_r_test(
     tool_mm: Sequence[float] | None = None,
     without: Sequence[str] = ...,
     free_sensor: bool = False,
+    residuals: bool = False,
 ) -> RTest: ...
 def evaluate_points(
     record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
@@ -274,7 +319,7 @@ def evaluate_points(
     without: Sequence[str] = ...,
 ) -> MeasuredPoints: ...
 def accuracy(
-    record: str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
     *,
     axis: Literal["X", "Y", "Z", "A", "B", "C"] | None = None,
     machine: Machine | None = None,
@@ -283,6 +328,7 @@ def accuracy(
     confidence: float = 95.0,
 ) -> Accuracy: ...
 def circle(points: ArrayLike | Frame) -> Circle: ...
+def trace_roundness(radius_mm: ArrayLike, *, theta_deg: ArrayLike | None = None, upr: int | None = None) -> Circle: ...
 def roundness(
     readings: ArrayLike,
     *,

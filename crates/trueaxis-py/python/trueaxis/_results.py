@@ -217,6 +217,36 @@ class Result(Section):
                 found.setdefault(figure.name, figure)
         return found
 
+    @property
+    def correlation(self) -> NDArray[np.float64]:
+        """Correlation of the terms of a fit, in the order of `covariance.names`; from the covariance that the fit found."""
+        matrix = _covariance(self)
+        errors = np.sqrt(np.diag(matrix))
+        errors[errors == 0.0] = 1.0
+        correlation: NDArray[np.float64] = matrix / np.outer(errors, errors)
+        np.fill_diagonal(correlation, 1.0)
+        return correlation
+
+    def to_ufloats(self) -> dict[str, Any]:
+        """Return the terms of a fit as numbers of the package ``uncertainties``, with their correlations.
+
+        Returns
+        -------
+        dict of uncertainties.UFloat
+            The terms with their standard errors, by name, in the units that `covariance.units` lists.
+
+        Raises
+        ------
+        ValueError
+            If the result has no covariance.
+        """
+        from uncertainties import correlated_values
+
+        matrix = _covariance(self)
+        names = self.covariance.names
+        values = {term.name: term.value for term in self.terms}
+        return dict(zip(names, correlated_values([values[name] for name in names], matrix, tags=list(names))))
+
     def to_frame(self, table: int | str = 0) -> pandas.DataFrame:
         """Return a table as a data frame, with the numbers at full precision.
 
@@ -276,6 +306,12 @@ class Result(Section):
         {"plot": _draw_plot, "polar": _draw_polar, "map": _draw_map}[kind](ax, drawn)
         ax.set_title(drawn["title"])
         return ax
+
+
+def _covariance(of: Result) -> NDArray[np.float64]:
+    if "covariance" not in of:
+        raise ValueError(f"{type(of).__name__}: found no covariance, needed a result of calibrate_solve or evaluate_r_test")
+    return np.array([list(row) for row in of["covariance"]["matrix"]])
 
 
 def _restored(kind: type[Result], document: dict[str, Any], parts: dict[str, Any], text: str, drawn: list[str]) -> Result:

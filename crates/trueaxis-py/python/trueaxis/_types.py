@@ -72,7 +72,7 @@ class CircleCircle(Section):
 
 
 class Circle(Result):
-    """Result of `circle`.
+    """Result of `circle`, `trace_roundness`.
 
     Attributes
     ----------
@@ -90,6 +90,10 @@ class Circle(Result):
         Minimum circumscribed.
     refused : Section
         Why a circle is null.
+    theta_deg : NDArray[np.float64]
+        Angles of the trace, of `trace_roundness`.
+    radius_mm : NDArray[np.float64]
+        Radii of the trace as filtered, of `trace_roundness`.
     """
 
     __slots__ = ()
@@ -101,6 +105,8 @@ class Circle(Result):
     mic: CircleCircle | None
     mcc: CircleCircle | None
     refused: Section
+    theta_deg: NDArray[np.float64]
+    radius_mm: NDArray[np.float64]
 
 
 class InterpolationError(Section):
@@ -1308,6 +1314,26 @@ class SolvedTerm(Section):
     unit: str
 
 
+class Covariance(Section):
+    """Covariance of terms, in the order of a fit's document.
+
+    Attributes
+    ----------
+    names : tuple[str, ...]
+        Names of the terms.
+    units : tuple[str, ...]
+        Units of the terms; an entry of the matrix has the product of two.
+    matrix : tuple[NDArray[np.float64], ...]
+        Variances and covariances, row by row.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    matrix: tuple[NDArray[np.float64], ...]
+
+
 class Size(Section):
     """Size of an artefact.
 
@@ -1373,6 +1399,8 @@ class Calibration(Result):
         Root mean square of the touch displacements that the terms cause.
     terms : tuple[SolvedTerm, ...]
         Every term.
+    covariance : Covariance
+        Covariance of the terms; its diagonal are the squares of their standard errors.
     location : Section
         Location errors found, `C0Y_urad`, `EX0C_um`.
     axes : Section
@@ -1393,10 +1421,12 @@ class Calibration(Result):
         Decision on every value found, if a machine is given: key, old, found, written, why.
     files : Section
         Changed files of the machine as texts, by name, with `files=True`.
+    residuals_um : NDArray[np.float64]
+        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test.
     """
 
     __slots__ = ()
-    _sections: ClassVar[dict[str, type[Section]]] = {"terms": SolvedTerm, "artefacts": Size, "drift": Drift}
+    _sections: ClassVar[dict[str, type[Section]]] = {"terms": SolvedTerm, "covariance": Covariance, "artefacts": Size, "drift": Drift}
     machine: str
     compensated: bool
     touches: int
@@ -1407,6 +1437,7 @@ class Calibration(Result):
     repeatability_um: float
     signal_um: float
     terms: tuple[SolvedTerm, ...]
+    covariance: Covariance
     location: Section
     axes: Section
     standard_errors: Section
@@ -1417,6 +1448,7 @@ class Calibration(Result):
     warnings: tuple[str, ...]
     written: tuple[Section, ...]
     files: Section
+    residuals_um: NDArray[np.float64]
 
 
 class Expected(Section):
@@ -2140,6 +2172,8 @@ class RTest(Result):
         Range of the displacements along X, Y, Z over all readings (ISO 10791-6, tests BK).
     terms : tuple[RTestTerm, ...]
         Location errors found.
+    covariance : Covariance
+        Covariance of the location errors; its diagonal are the squares of their standard errors.
     balls_um : tuple[NDArray[np.float64], ...]
         Offsets of the balls from their commanded places, workpiece's frame.
     sensor_um : NDArray[np.float64] | None
@@ -2164,14 +2198,17 @@ class RTest(Result):
         Remarks on the result.
     written : tuple[Section, ...]
         Decision on every value found, if a machine is given: key, old, found, written, why.
+    residuals_um : NDArray[np.float64]
+        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test.
     """
 
     __slots__ = ()
-    _sections: ClassVar[dict[str, type[Section]]] = {"terms": RTestTerm}
+    _sections: ClassVar[dict[str, type[Section]]] = {"terms": RTestTerm, "covariance": Covariance}
     readings: int
     balls: int
     range_um: NDArray[np.float64]
     terms: tuple[RTestTerm, ...]
+    covariance: Covariance
     balls_um: tuple[NDArray[np.float64], ...]
     sensor_um: NDArray[np.float64] | None
     rms_um: float
@@ -2184,6 +2221,7 @@ class RTest(Result):
     condition: float
     notes: tuple[str, ...]
     written: tuple[Section, ...]
+    residuals_um: NDArray[np.float64]
 
 
 class Function(Section):
@@ -2509,6 +2547,102 @@ class Helicoid(Result):
     program: str
 
 
+class LearnedSize(Section):
+    """Magnitudes of an error.
+
+    Attributes
+    ----------
+    max_um : float
+        Largest.
+    rms_um : float
+        Root mean square.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    max_um: float
+    rms_um: float
+
+
+class Learned(Result):
+    """Result of `learn`.
+
+    Attributes
+    ----------
+    program_id : str
+        Identifier of the path, hexadecimal.
+    machine_id : str
+        Identifier of the machine, hexadecimal.
+    length_mm : float
+        Length of the path.
+    parts : int
+        Parts learned from.
+    nodes : int
+        Number of nodes of the correction.
+    spacing_mm : float
+        Distance of the nodes.
+    gain : float
+        Gain L of the law.
+    forget : float
+        Forgetting f of the law.
+    cutoff_mm : float
+        Cut-off of the low-pass Q along the path.
+    before : LearnedSize
+        Contour error of the recorded part.
+    predicted : LearnedSize
+        Contour error with the new correction, if a correction moves the tip by its full amount.
+    correction_um : float
+        Largest component of the new correction.
+    unmeasured : float
+        Share of the path without a measured error.
+    table : bytes
+        Content of the .tlearn for the next part.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {"before": LearnedSize, "predicted": LearnedSize}
+    program_id: str
+    machine_id: str
+    length_mm: float
+    parts: int
+    nodes: int
+    spacing_mm: float
+    gain: float
+    forget: float
+    cutoff_mm: float
+    before: LearnedSize
+    predicted: LearnedSize
+    correction_um: float
+    unmeasured: float
+    table: bytes
+
+
+class Transfer(Result):
+    """Result of `import_table`, `export_table`.
+
+    Attributes
+    ----------
+    format : str
+        Name of the format.
+    meaning : str
+        Sign and unit of the values in the format.
+    written : tuple[str, ...]
+        The files written.
+    left_out : tuple[str, ...]
+        Settings that the format cannot store and that were left out.
+    notes : tuple[str, ...]
+        What else was read into the file, set or changed.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    format: str
+    meaning: str
+    written: tuple[str, ...]
+    left_out: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
 class ReportedFault(Section):
     """A fault that a machine reported over consecutive cycles.
 
@@ -2629,4 +2763,4 @@ class Run(Result):
     trace: Section
 
 
-__all__ = ["Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "Uncertainty", "Helicoid", "Run"]
+__all__ = ["Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "Uncertainty", "Helicoid", "Learned", "Transfer", "Run"]

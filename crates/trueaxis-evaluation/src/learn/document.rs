@@ -1,42 +1,54 @@
-//! The learned correction as printed.
+//! The learned correction as a document, a table and plots.
 
+use super::Record;
+use crate::shown::{Cell, Curve, Plot, Shown, Table};
 use serde::Serialize;
-use trueaxis_evaluation::learn::Record;
-use trueaxis_evaluation::shown::{Cell, Curve, Plot, Shown, Table};
 use trueaxis_metrology::learning::{Law, Lesson};
 use trueaxis_tables::text::counted;
 
 /// Magnitudes of an error.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub(super) struct Size {
-    pub(super) max_um: f64,
-    pub(super) rms_um: f64,
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Size {
+    /// Largest.
+    pub max_um: f64,
+    /// Root mean square.
+    pub rms_um: f64,
 }
 
 /// The JSON document.
-#[derive(Serialize)]
-pub(super) struct LearnDocument {
-    pub(super) program_id: String,
-    pub(super) machine_id: String,
-    pub(super) length_mm: f64,
-    pub(super) parts: u16,
-    pub(super) nodes: usize,
-    pub(super) spacing_mm: f64,
-    pub(super) gain: f64,
-    pub(super) forget: f64,
-    pub(super) cutoff_mm: f64,
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LearnDocument {
+    /// Identifier of the path, hexadecimal.
+    pub program_id: String,
+    /// Identifier of the machine, hexadecimal.
+    pub machine_id: String,
+    /// Length of the path.
+    pub length_mm: f64,
+    /// Parts learned from.
+    pub parts: u16,
+    /// Number of nodes of the correction.
+    pub nodes: usize,
+    /// Distance of the nodes.
+    pub spacing_mm: f64,
+    /// Gain L of the law.
+    pub gain: f64,
+    /// Forgetting f of the law.
+    pub forget: f64,
+    /// Cut-off of the low-pass Q along the path.
+    pub cutoff_mm: f64,
     /// Contour error of the recorded part.
-    pub(super) before: Size,
+    pub before: Size,
     /// Contour error with the new correction, if a correction moves the tip by its full amount.
-    pub(super) predicted: Size,
+    pub predicted: Size,
     /// Largest component of the new correction.
-    pub(super) correction_um: f64,
+    pub correction_um: f64,
     /// Share of the path without a measured error.
-    pub(super) unmeasured: f64,
+    pub unmeasured: f64,
 }
 
 impl LearnDocument {
-    pub(super) fn new(record: &Record, law: Law, lesson: &Lesson) -> LearnDocument {
+    /// The document of a lesson from a record.
+    pub fn new(record: &Record, law: Law, lesson: &Lesson) -> LearnDocument {
         let Lesson { header, spacing_mm, before_mm, correction_mm, .. } = lesson;
         let spacing_mm = *spacing_mm;
         let at = |nodes: &[[f64; 3]], length: f64| -> [f64; 3] {
@@ -72,7 +84,7 @@ impl LearnDocument {
     }
 
     /// Tables of the errors and the correction, and both over path length.
-    pub(super) fn shown(&self, lesson: &Lesson) -> Shown {
+    pub fn shown(&self, lesson: &Lesson) -> Shown {
         let parts = counted(self.parts.into(), "part");
         let sizes = [("this part", self.before), ("predicted for the next", self.predicted)];
         let sizes = sizes.map(|(name, of)| vec![name.into(), Cell::number(of.max_um, 4), Cell::number(of.rms_um, 4)]);
