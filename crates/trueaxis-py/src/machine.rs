@@ -15,7 +15,7 @@ use trueaxis_evaluation::batch::{self, Positions};
 use trueaxis_evaluation::compensate::{Arrival, Settings};
 use trueaxis_evaluation::correct::position;
 use trueaxis_evaluation::uncertainty::{Options, evaluate};
-use trueaxis_evaluation::{by_axes, check, model};
+use trueaxis_evaluation::{check, model};
 use trueaxis_metrology::cores::*;
 use trueaxis_tables::Additions;
 use trueaxis_tables::files::{Folder, Memory, Source};
@@ -511,7 +511,12 @@ impl Machine {
         let ends: Vec<[f64; 2]> = travels.iter().map(|own| own.unwrap_or([f64::MIN, f64::MAX])).collect();
         let rows = values.as_slice();
         // As in the check of the numbers: only a refusal looks for the place.
-        let of_chunk = |rows: &[f64]| by_axes!(width, are_within(rows, &ends));
+        let of_chunk = |rows: &[f64]| match width {
+            3 => are_within::<3>(rows, &ends),
+            4 => are_within::<4>(rows, &ends),
+            5 => are_within::<5>(rows, &ends),
+            _ => are_within::<6>(rows, &ends),
+        };
         let refused = !rows.par_chunks(arrays::CHUNK / width * width).all(of_chunk);
         for (row, values) in rows.chunks_exact(width).enumerate().filter(|_| refused) {
             for (column, (travel, value)) in travels.iter().zip(values).enumerate() {
