@@ -75,8 +75,15 @@ fn shape_of(shape: &[usize]) -> String {
 fn check(values: &[f64], columns: Option<usize>, name: &str) -> PyResult<()> {
     let wrong = |value: &f64| value.is_nan() || value.abs() > MOST;
     // Found out on all cores and without a branch a number; only a refusal looks for the place.
-    let any = |values: &[f64]| values.iter().fold(false, |any, value| any | wrong(value));
-    let at = values.par_chunks(CHUNK).any(any).then(|| values.iter().position(wrong)).flatten();
+    let are_sound = |values: &[f64]| {
+        let mut all = true;
+        for value in values {
+            all &= value.abs() <= MOST;
+        }
+        all
+    };
+    let sound = values.par_chunks(CHUNK).all(are_sound);
+    let at = if sound { None } else { values.iter().position(wrong) };
     let Some(at) = at else { return Ok(()) };
     let place = columns.map_or(format!("{at}"), |columns| format!("{}, {}", at / columns, at % columns));
     Err(Error::new_err(format!("{name}[{place}]: found {}, needed a number of at most {MOST:e}", values[at])))

@@ -233,7 +233,8 @@ impl Machine {
         in_order: bool,
         temperature_c: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.asked(positions, model, reverse, in_order, temperature_c)?.errors(py, |tip, _| tip.map(|mm| 1e3 * mm))
+        self.asked(positions, model, reverse, in_order, temperature_c)?
+            .errors(py, |[x, y, z], _| [1e3 * x, 1e3 * y, 1e3 * z])
     }
 
     /// Compute the error of the tool's direction at commanded positions: a small rotation, actual − ideal.
@@ -272,7 +273,7 @@ impl Machine {
         temperature_c: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let asked = self.asked(positions, model, reverse, in_order, temperature_c)?.with_orientation()?;
-        asked.errors(py, |_, turn| turn.map(|rad| 1e6 * rad))
+        asked.errors(py, |_, [a, b, c]| [1e6 * a, 1e6 * b, 1e6 * c])
     }
 
     /// Compute the corrections of commanded positions.
@@ -456,6 +457,18 @@ pub(crate) fn model_of(name: Option<&str>) -> PyResult<Option<ErrorModel>> {
     }
 }
 
+/// Whether all rows of `N` columns lie within the ends of their columns; without a branch a number.
+fn are_within<const N: usize>(rows: &[f64], ends: &[[f64; 2]]) -> bool {
+    let Some(ends) = ends.first_chunk::<N>() else { return false };
+    let mut all = true;
+    for row in rows.as_chunks::<N>().0 {
+        for k in 0..N {
+            all &= (row[k] >= ends[k][0]) & (row[k] <= ends[k][1]);
+        }
+    }
+    all
+}
+
 /// X, Y, Z and the machine's rotary axes.
 pub(crate) fn columns(machine: &trueaxis_tables::Machine) -> impl Iterator<Item = Axis> {
     Axis::ALL.into_iter().filter(|axis| !axis.is_rotary() || machine.settings.axis(*axis).is_some())
@@ -519,13 +532,13 @@ impl Machine {
         let ends: Vec<[f64; 2]> = travels.iter().map(|own| own.unwrap_or([f64::MIN, f64::MAX])).collect();
         let rows = values.as_slice();
         // As in the check of the numbers: only a refusal looks for the place.
-        let any = |rows: &[f64]| {
-            let beyond = |any, row: &[f64]| {
-                row.iter().zip(&ends).fold(any, |any, (q, [low, high])| any | (q < low) | (q > high))
-            };
-            rows.chunks_exact(width).fold(false, beyond)
+        let of_chunk = |rows: &[f64]| match width {
+            3 => are_within::<3>(rows, &ends),
+            4 => are_within::<4>(rows, &ends),
+            5 => are_within::<5>(rows, &ends),
+            _ => are_within::<6>(rows, &ends),
         };
-        let refused = rows.par_chunks(arrays::CHUNK / width * width).any(any);
+        let refused = !rows.par_chunks(arrays::CHUNK / width * width).all(of_chunk);
         for (row, values) in rows.chunks_exact(width).enumerate().filter(|_| refused) {
             for (column, (travel, value)) in travels.iter().zip(values).enumerate() {
                 if let Some([low, high]) = travel.filter(|[low, high]| value < low || value > high) {
