@@ -120,3 +120,27 @@ fn large_profiles_are_quick_enough_to_search() {
     assert!(zone.zone <= fit.zone && zone.zone > 1.99, "{zone:?}");
     assert!(zone.contacts.len() >= 3, "{zone:?}");
 }
+
+#[test]
+fn four_circles_at_once_are_those_one_by_one() {
+    let mut noise = Noise::new(11);
+    for n in [3, 4, 17, 256, 511] {
+        for lobes in [0.0, 3.0] {
+            let profile: Vec<f64> = (0..n)
+                .map(|i| TAU * f64::from(i) / f64::from(n))
+                .map(|theta| 40.0 + 2.0 * theta.cos() + (lobes * theta).sin() + 0.3 * noise.signed())
+                .collect();
+            let apart = [
+                limacon::least_squares(&profile),
+                limacon::minimum_zone(&profile),
+                limacon::maximum_inscribed(&profile),
+                limacon::minimum_circumscribed(&profile),
+            ];
+            assert_eq!(
+                limacon::four_circles(&profile),
+                Ok(apart.map(|circle| circle.expect("enough readings"))),
+                "{n}"
+            );
+        }
+    }
+}

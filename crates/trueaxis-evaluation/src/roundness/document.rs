@@ -144,13 +144,9 @@ pub struct Evaluation {
 
 impl Circles {
     fn of(profile: &[f64]) -> Result<Circles> {
-        let named = |name: &'static str| move |error| anyhow!("{name} of the profile: {error}");
-        Ok(Circles {
-            lsc: limacon::least_squares(profile).map_err(named("LSC"))?,
-            mzc: limacon::minimum_zone(profile).map_err(named("MZC"))?,
-            mic: limacon::maximum_inscribed(profile).map_err(named("MIC"))?,
-            mcc: limacon::minimum_circumscribed(profile).map_err(named("MCC"))?,
-        })
+        let [lsc, mzc, mic, mcc] =
+            limacon::four_circles(profile).map_err(|error| anyhow!("circles of the profile: {error}"))?;
+        Ok(Circles { lsc, mzc, mic, mcc })
     }
 
     fn zones(&self) -> Zones {

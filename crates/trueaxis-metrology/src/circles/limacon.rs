@@ -63,35 +63,27 @@ pub fn maximum_inscribed(profile: &[f64]) -> Result<ReferenceCircle, NoCircle> {
     maximum_inscribed_at(&even(profile.len()), profile)
 }
 
+/// The four circles of readings equidistant over one turn: least squares, minimum zone, maximum inscribed, minimum
+/// circumscribed. The same as one by one; what they share is computed once.
+///
+/// # Errors
+///
+/// [`NoCircle::TooFew`], [`NoCircle::NonFinite`].
+pub fn four_circles(profile: &[f64]) -> Result<[ReferenceCircle; 4], NoCircle> {
+    let profile = Profile::new(&even(profile.len()), profile)?;
+    let least_squares = profile.least_squares()?;
+    let solve = |aim| profile.solve(least_squares.centre, aim);
+    let [zone, inscribed, circumscribed] = [Aim::Zone, Aim::Inner, Aim::Outer].map(solve);
+    Ok([least_squares, zone, inscribed, circumscribed])
+}
+
 /// Least-squares circle of readings at any angles.
 ///
 /// # Errors
 ///
 /// [`NoCircle::Lengths`], [`NoCircle::TooFew`], [`NoCircle::NonFinite`], [`NoCircle::Straight`] (fewer than three directions).
 pub fn least_squares_at(theta: &[f64], r: &[f64]) -> Result<ReferenceCircle, NoCircle> {
-    let profile = Profile::new(theta, r)?;
-    let n = r.len() as f64;
-    let mut centre = [0.0; 2];
-    // The second pass removes the rounding error of the first.
-    for _ in 0..2 {
-        let mut sums = [0.0; 8];
-        for p in &profile.points {
-            let value = p.residual(centre);
-            let [c, s] = p.direction;
-            let terms = [c, s, c * c, c * s, s * s, c * value, s * value, value];
-            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
-        }
-        let [c, s, cc, cs, ss, cr, sr, r] = sums;
-        let (cc, cs, ss) = (cc - c * c / n, cs - c * s / n, ss - s * s / n);
-        let (cr, sr) = (cr - c * r / n, sr - s * r / n);
-        let determinant = cc * ss - cs * cs;
-        if determinant.is_nan() || determinant <= 1e-24 * n * n {
-            return Err(NoCircle::Straight);
-        }
-        centre = [centre[0] + (cr * ss - sr * cs) / determinant, centre[1] + (sr * cc - cr * cs) / determinant];
-    }
-    let mean = profile.points.iter().map(|p| p.residual(centre)).sum::<f64>() / n;
-    Ok(ReferenceCircle { radius: mean + profile.middle, ..profile.circle(centre, Vec::new()) })
+    Profile::new(theta, r)?.least_squares()
 }
 
 /// Minimum zone circle of readings at any angles: exact Chebyshev approximation by 1, cos θ, sin θ. Radius: mean of outer and
@@ -102,8 +94,7 @@ pub fn least_squares_at(theta: &[f64], r: &[f64]) -> Result<ReferenceCircle, NoC
 /// [`NoCircle::Lengths`], [`NoCircle::TooFew`], [`NoCircle::NonFinite`], [`NoCircle::Straight`] (fewer than three directions).
 pub fn minimum_zone_at(theta: &[f64], r: &[f64]) -> Result<ReferenceCircle, NoCircle> {
     let profile = Profile::new(theta, r)?;
-    let start = least_squares_at(theta, r)?.centre;
-    Ok(profile.solve(start, Aim::Zone))
+    Ok(profile.solve(profile.least_squares()?.centre, Aim::Zone))
 }
 
 /// Minimum circumscribed circle of readings at any angles. Radius: outer.
@@ -114,9 +105,7 @@ pub fn minimum_zone_at(theta: &[f64], r: &[f64]) -> Result<ReferenceCircle, NoCi
 pub fn minimum_circumscribed_at(theta: &[f64], r: &[f64]) -> Result<ReferenceCircle, NoCircle> {
     let profile = Profile::new(theta, r)?;
     profile.closed()?;
-    let start = least_squares_at(theta, r)?.centre;
-    let circle = profile.solve(start, Aim::Outer);
-    Ok(ReferenceCircle { radius: circle.outer, ..circle })
+    Ok(profile.solve(profile.least_squares()?.centre, Aim::Outer))
 }
 
 /// Maximum inscribed circle of readings at any angles. Radius: inner.
@@ -127,9 +116,7 @@ pub fn minimum_circumscribed_at(theta: &[f64], r: &[f64]) -> Result<ReferenceCir
 pub fn maximum_inscribed_at(theta: &[f64], r: &[f64]) -> Result<ReferenceCircle, NoCircle> {
     let profile = Profile::new(theta, r)?;
     profile.closed()?;
-    let start = least_squares_at(theta, r)?.centre;
-    let circle = profile.solve(start, Aim::Inner);
-    Ok(ReferenceCircle { radius: circle.inner, ..circle })
+    Ok(profile.solve(profile.least_squares()?.centre, Aim::Inner))
 }
 
 fn even(n: usize) -> Vec<f64> {
@@ -140,6 +127,8 @@ fn even(n: usize) -> Vec<f64> {
 struct Reading {
     /// cos θ, sin θ.
     direction: [f64; 2],
+    /// θ of the direction, −π to π.
+    angle: f64,
     r: f64,
     index: usize,
 }
@@ -186,6 +175,26 @@ impl Aim {
             Self::Inner => -range.low.0,
         }
     }
+
+    /// Whether the value about a centre is below `best`; most centres are refused after a few readings.
+    fn improves(self, highest: &[Reading], lowest: &[Reading], centre: [f64; 2], best: f64) -> bool {
+        let (mut high, mut low) = match self {
+            Self::Zone => (highest.first().map_or(f64::NEG_INFINITY, |p| p.residual(centre)), f64::INFINITY),
+            Self::Outer => (f64::NEG_INFINITY, 0.0),
+            Self::Inner => (0.0, f64::INFINITY),
+        };
+        let below = |high: f64, low: f64| high - low < best;
+        (self == Self::Outer
+            || lowest.iter().all(|p| {
+                low = low.min(p.residual(centre));
+                below(high, low)
+            }))
+            && (self == Self::Inner
+                || highest.iter().all(|p| {
+                    high = high.max(p.residual(centre));
+                    below(high, low)
+                }))
+    }
 }
 
 impl Profile {
@@ -204,14 +213,39 @@ impl Profile {
         let middle = 0.5 * (most + least);
         let reading = |(index, (t, r)): (usize, (&f64, &f64))| {
             let (sin, cos) = t.sin_cos();
-            Reading { direction: [cos, sin], r: r - middle, index }
+            Reading { direction: [cos, sin], angle: sin.atan2(cos), r: r - middle, index }
         };
         Ok(Self { points: theta.iter().zip(r).enumerate().map(reading).collect(), middle })
     }
 
+    fn least_squares(&self) -> Result<ReferenceCircle, NoCircle> {
+        let n = self.points.len() as f64;
+        let mut centre = [0.0; 2];
+        // The second pass removes the rounding error of the first.
+        for _ in 0..2 {
+            let mut sums = [0.0; 8];
+            for p in &self.points {
+                let value = p.residual(centre);
+                let [c, s] = p.direction;
+                let terms = [c, s, c * c, c * s, s * s, c * value, s * value, value];
+                sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+            }
+            let [c, s, cc, cs, ss, cr, sr, r] = sums;
+            let (cc, cs, ss) = (cc - c * c / n, cs - c * s / n, ss - s * s / n);
+            let (cr, sr) = (cr - c * r / n, sr - s * r / n);
+            let determinant = cc * ss - cs * cs;
+            if determinant.is_nan() || determinant <= 1e-24 * n * n {
+                return Err(NoCircle::Straight);
+            }
+            centre = [centre[0] + (cr * ss - sr * cs) / determinant, centre[1] + (sr * cc - cr * cs) / determinant];
+        }
+        let mean = self.points.iter().map(|p| p.residual(centre)).sum::<f64>() / n;
+        Ok(ReferenceCircle { radius: mean + self.middle, ..self.circle(centre, Vec::new()) })
+    }
+
     /// Refuses readings that leave half a turn open.
     fn closed(&self) -> Result<(), NoCircle> {
-        let gap = largest_gap(self.points.iter().map(|p| p.direction[1].atan2(p.direction[0])));
+        let gap = largest_gap(self.points.iter().map(|p| p.angle));
         if gap >= PI * (1.0 - 1e-12) { Err(NoCircle::PartArc) } else { Ok(()) }
     }
 
@@ -261,7 +295,13 @@ impl Profile {
         if best.contacts.is_empty() || best.contacts.iter().any(|i| !touching.contains(i)) {
             best.contacts = touching;
         }
-        self.circle(best.centre, best.contacts)
+        let circle = self.circle(best.centre, best.contacts);
+        let radius = match aim {
+            Aim::Zone => circle.radius,
+            Aim::Outer => circle.outer,
+            Aim::Inner => circle.inner,
+        };
+        ReferenceCircle { radius, ..circle }
     }
 
     /// Readings on the relevant circles, to rounding.
@@ -279,9 +319,8 @@ impl Profile {
     /// Extreme readings about the least-squares circle in five equally large groups, in the order of their angles, and three
     /// readings that surround the centre: without these the few could have no optimum.
     fn around(&self, start: [f64; 2]) -> [Vec<Reading>; 2] {
-        let angle = |p: &Reading| p.direction[1].atan2(p.direction[0]);
         let mut sorted = self.points.clone();
-        sorted.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+        sorted.sort_by(|a, b| a.angle.total_cmp(&b.angle));
         let order = |a: &&Reading, b: &&Reading| a.residual(start).total_cmp(&b.residual(start));
         let groups = || sorted.chunks(sorted.len().div_ceil(5));
         let mut lists = [
@@ -290,7 +329,7 @@ impl Profile {
         ];
         // The first reading and the readings next to its opposite on both sides.
         let first = self.points[0];
-        let turned = |p: &Reading| (angle(p) - angle(&first)).rem_euclid(TAU);
+        let turned = |p: &Reading| (p.angle - first.angle).rem_euclid(TAU);
         let left = sorted.iter().filter(|p| turned(p) <= PI).max_by(|a, b| turned(a).total_cmp(&turned(b)));
         let right = sorted.iter().filter(|p| turned(p) >= PI).min_by(|a, b| turned(a).total_cmp(&turned(b)));
         for list in &mut lists {
@@ -322,6 +361,9 @@ impl Vertex {
         let mut best: Option<Self> = None;
         let mut offer = |a: &Reading, b: &Reading, c: &Reading, d: &Reading, triple: bool| {
             let Some(centre) = level(a, b, c, d) else { return };
+            if !aim.improves(highest, lowest, centre, best.as_ref().map_or(f64::INFINITY, |best| best.value)) {
+                return;
+            }
             let Some(at) = range(highest, lowest, centre) else { return };
             let value = aim.value(&at);
             if best.as_ref().is_none_or(|best| value < best.value) {
