@@ -9,11 +9,11 @@ use pyo3::prelude::*;
 use trueaxis_evaluation::ballbar::{Options, Test};
 use trueaxis_evaluation::friction::pair;
 
-/// Evaluate a circular test according to ISO 230-4 and determines the causes of its deviation.
+/// Evaluate a circular test according to ISO 230-4 and determine the causes of its deviation.
 ///
 /// Parameters
 /// ----------
-/// record : array-like or data frame or path-like
+/// record : array-like or data frame or path-like or file object
 ///     A file that the command reads; or an array (n, 3) of a bar, columns angle_deg, deviation_um and
 ///     direction (1 counterclockwise, -1 clockwise); or an array (n, 4), command and position in mm of the
 ///     first axis, then of the second. Rows of an array count from line 2.

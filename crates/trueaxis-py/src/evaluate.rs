@@ -76,7 +76,7 @@ fn asked<T, E: std::fmt::Display>(checked: Result<T, E>) -> PyResult<T> {
 ///
 /// Parameters
 /// ----------
-/// record : dict of array-likes or data frame or path-like
+/// record : dict of array-likes or data frame or path-like or file object
 ///     Deviations: a file, or a dict or data frame with its columns: X_mm, run, direction (+ or -) and deviation_um, or X_mm
 ///     and a column for each run, +1, -1, +2, ….
 /// axis : {"X", "Y", "Z", "A", "B", "C"}, optional
@@ -160,7 +160,7 @@ pub(crate) fn accuracy<'py>(
 ///
 /// Parameters
 /// ----------
-/// record : dict of array-likes or data frame or path-like
+/// record : dict of array-likes or data frame or path-like or file object
 ///     A file, or a dict of arrays x_mm, y_mm[, z_mm][, run][, spindle_deg].
 /// feature : {"ring", "sphere", "point"}
 ///     What was probed.
@@ -206,7 +206,7 @@ pub(crate) fn evaluate_probing<'py>(
 ///
 /// Parameters
 /// ----------
-/// record : dict of array-likes or data frame or path-like
+/// record : dict of array-likes or data frame or path-like or file object
 ///     A file, or a dict of arrays t_s[, position][, x1_um …][, ambient_c …].
 /// test : {"etve", "spindle", "axis"}, default "spindle"
 ///     The test of ISO 230-3: environmental temperature variation error, rotating spindle or moving linear axis.
@@ -255,7 +255,7 @@ pub(crate) fn evaluate_thermal<'py>(
 ///
 /// Parameters
 /// ----------
-/// record : dict of array-likes or data frame or path-like
+/// record : dict of array-likes or data frame or path-like or file object
 ///     A file, or a dict of arrays diagonal, direction, x_mm, y_mm, z_mm, deviation_um[, run].
 /// alignment_urad : float, optional
 ///     Standard uncertainty of the alignment of the mirror and the beam to a diagonal, µrad; without it, scales are not
@@ -297,7 +297,7 @@ pub(crate) fn evaluate_step_diagonal<'py>(
 ///
 /// Parameters
 /// ----------
-/// record : dict of array-likes or data frame or path-like
+/// record : dict of array-likes or data frame or path-like or file object
 ///     A file, or a dict of arrays x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], dx_um, dy_um, dz_um[, ball].
 /// machine : Machine
 ///     The machine that was measured.
@@ -361,7 +361,7 @@ pub(crate) fn evaluate_r_test<'py>(
 ///
 /// Parameters
 /// ----------
-/// record : dict of array-likes or data frame or path-like
+/// record : dict of array-likes or data frame or path-like or file object
 ///     A file, or a dict of arrays x_mm, y_mm, z_mm, actual_x_mm, actual_y_mm, actual_z_mm[, u_um][, tool_x_mm
 ///     …].
 /// machine : Machine

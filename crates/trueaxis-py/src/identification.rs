@@ -16,7 +16,7 @@ use trueaxis_tables::formats::write_axis_csv;
 ///
 /// Parameters
 /// ----------
-/// readings : array-like or data frame or path-like
+/// readings : array-like or data frame or path-like or file object
 ///     A file, or an array (n, 6), columns angle_deg, l_mm, h_mm, dx_um, dy_um, dz_um. Rows of an array count
 ///     from line 2.
 /// axis : {"A", "B", "C"}
@@ -100,7 +100,7 @@ pub(crate) fn identify<'py>(
 ///
 /// Parameters
 /// ----------
-/// record : array-like or data frame or path-like
+/// record : array-like or data frame or path-like or file object
 ///     A file that the command reads, or an array (n, 5): time in s, then command and reading in mm of the
 ///     first axis and of the second. Rows of an array count from line 2.
 /// axes : str

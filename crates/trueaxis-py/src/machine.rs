@@ -193,14 +193,13 @@ impl Machine {
     /// Parameters
     /// ----------
     /// positions : array-like or data frame
-    ///     (n, 3), or the columns that `columns` lists, mm and degrees: any array-like of real numbers, or a data
-    ///     frame with these columns; omitted rotary axes are at 0.
+    ///     Positions (n, 3), or with the columns that `columns` lists, mm and degrees; omitted rotary axes are at 0.
     /// model : {"nine", "volumetric", "exact"}, optional
-    ///     "nine", "volumetric", or "exact" (transforms).
+    ///     Error model; by default, that of the machine. "exact" uses transforms.
     /// reverse : bool, default False
-    ///     All axes travel in the negative direction.
+    ///     Whether all axes travel in the negative direction.
     /// in_order : bool, default False
-    ///     The direction of each axis follows from the row before.
+    ///     Whether the direction of each axis follows from the row before.
     /// temperature_c : float, optional
     ///     Temperature of the machine for its thermal growth, °C; by default, its reference temperature.
     ///

@@ -1,4 +1,4 @@
-//! Measurements: a file that the command line reads, or an array.
+//! Measurements: a file that the command line reads, by its path or open, or an array.
 
 use crate::{Error, arrays, units};
 use pyo3::exceptions::PyTypeError;
@@ -10,7 +10,10 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use trueaxis_evaluation::rows::{Column, Rows};
-use trueaxis_tables::text::read_text;
+use trueaxis_tables::text::{decode, read_text};
+
+/// First characters of comments, which may be in any encoding.
+const COMMENTS: [char; 2] = ['#', ';'];
 
 /// A file, or an array converted to the text of a file, so that errors name the line.
 pub(crate) enum Measured {
@@ -19,10 +22,30 @@ pub(crate) enum Measured {
 }
 
 impl Measured {
-    /// Accepts a path, or an array or data frame with the columns of one of `forms`; their number distinguishes the forms.
-    pub(crate) fn of(given: &Bound<'_, PyAny>, name: &'static str, forms: &[&[&str]]) -> PyResult<Measured> {
+    /// Accepts a path or an object with a method `read`, which gives text or bytes; `None` for anything else.
+    fn of_file(given: &Bound<'_, PyAny>, name: &'static str) -> PyResult<Option<Measured>> {
         if let Ok(path) = given.extract::<PathBuf>() {
-            return Ok(Measured::File(path));
+            return Ok(Some(Measured::File(path)));
+        }
+        if !given.hasattr("read")? {
+            return Ok(None);
+        }
+        let content = given.call_method0("read")?;
+        let bytes = match content.extract::<String>() {
+            Ok(text) => text.into_bytes(),
+            Err(_) => content.extract::<Vec<u8>>().map_err(|_| {
+                let found = content.get_type();
+                PyTypeError::new_err(format!("{name}: read() gave {found}, needed text or bytes"))
+            })?,
+        };
+        let text = decode(bytes, Path::new(name), &COMMENTS).map_err(|error| Error::new_err(error.to_string()))?;
+        Ok(Some(Measured::Text { name, text }))
+    }
+
+    /// Accepts a path or file object, or an array or data frame with the columns of one of `forms`; their number distinguishes the forms.
+    pub(crate) fn of(given: &Bound<'_, PyAny>, name: &'static str, forms: &[&[&str]]) -> PyResult<Measured> {
+        if let Some(file) = Measured::of_file(given, name)? {
+            return Ok(file);
         }
         let (width, values) = arrays::named(&units::framed(given, name, forms)?, name, forms)?;
         let columns = forms.iter().find(|columns| columns.len() == width).copied().unwrap_or_default();
@@ -35,10 +58,10 @@ impl Measured {
         Ok(Measured::Text { name, text })
     }
 
-    /// Accepts a path, or a dict or data frame with columns of equal length; its rows count from line 2.
+    /// Accepts a path or file object, or a dict or data frame with columns of equal length; its rows count from line 2.
     pub(crate) fn of_columns(given: &Bound<'_, PyAny>, name: &'static str, known: &[Column]) -> PyResult<Measured> {
-        if let Ok(path) = given.extract::<PathBuf>() {
-            return Ok(Measured::File(path));
+        if let Some(file) = Measured::of_file(given, name)? {
+            return Ok(file);
         }
         let columns: Vec<&str> = known.iter().map(|column| column.name).collect();
         let given = &units::framed(given, name, &[&columns])?;
@@ -47,7 +70,7 @@ impl Measured {
             Err(_) if arrays::is_frame(given)? => arrays::columns_of(given)?,
             Err(_) => {
                 let found = given.get_type().name()?;
-                let needed = "a file, or a dict or data frame of columns";
+                let needed = "a path, a file object, or a dict or data frame of columns";
                 return Err(PyTypeError::new_err(format!("{name}: found {found}, needed {needed}")));
             }
         };
@@ -74,15 +97,15 @@ impl Measured {
         Ok(Measured::Text { name, text })
     }
 
-    /// Accepts a path, or a dict or data frame with columns of any names and of words too, such as the sign of a direction.
+    /// Accepts a path or file object, or a dict or data frame with columns of any names and of words too, such as the sign of a direction.
     pub(crate) fn of_words(given: &Bound<'_, PyAny>, name: &'static str) -> PyResult<Measured> {
-        if let Ok(path) = given.extract::<PathBuf>() {
-            return Ok(Measured::File(path));
+        if let Some(file) = Measured::of_file(given, name)? {
+            return Ok(file);
         }
         let is_dict = given.is_instance_of::<PyDict>();
         if !is_dict && !arrays::is_frame(given)? {
             let found = given.get_type().name()?;
-            let needed = "a file, or a dict or data frame of columns";
+            let needed = "a path, a file object, or a dict or data frame of columns";
             return Err(PyTypeError::new_err(format!("{name}: found {found}, needed {needed}")));
         }
         let keys = if is_dict { given.clone() } else { given.getattr("columns")? };
@@ -115,7 +138,7 @@ impl Measured {
     /// The whole text of the measurements.
     pub(crate) fn text(&self) -> anyhow::Result<Cow<'_, str>> {
         match self {
-            Measured::File(path) => Ok(read_text(path, &['#', ';'])?.into()),
+            Measured::File(path) => Ok(read_text(path, &COMMENTS)?.into()),
             Measured::Text { text, .. } => Ok(text.into()),
         }
     }

@@ -10,15 +10,16 @@ use trueaxis_evaluation::shown::{Plot, Shown, Table};
 #[pyclass(frozen, module = "trueaxis._native")]
 pub(crate) struct Presentation {
     shown: Option<Shown>,
-    /// What the command prints.
-    text: String,
+    /// What the command prints, where it is not all of `shown`.
+    text: Option<String>,
 }
 
 #[pymethods]
 impl Presentation {
     /// The result as the command prints it.
     fn text(&self) -> String {
-        self.text.clone()
+        let shown = || self.shown.as_ref().map(Shown::text);
+        self.text.clone().or_else(shown).unwrap_or_default()
     }
 
     /// Title, sentences, tables, plots, polar plots and map as dictionaries.
@@ -42,12 +43,12 @@ pub(crate) fn result<'py>(
     document: Bound<'py, PyDict>,
     shown: Option<Shown>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    presented(kind, document, shown.map(|shown| Presentation { text: shown.text(), shown: Some(shown) }))
+    presented(kind, document, shown.map(|shown| Presentation { shown: Some(shown), text: None }))
 }
 
 /// Makes a result of which the command prints a text.
 pub(crate) fn text_result<'py>(kind: &str, document: Bound<'py, PyDict>, text: String) -> PyResult<Bound<'py, PyAny>> {
-    presented(kind, document, Some(Presentation { shown: None, text }))
+    presented(kind, document, Some(Presentation { shown: None, text: Some(text) }))
 }
 
 /// Makes a result of which the command prints this table alone, after `text`.
@@ -59,7 +60,7 @@ pub(crate) fn table_result<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let text = text + &table.to_string();
     let shown = Shown { title: title.into(), tables: vec![table], ..Shown::default() };
-    presented(kind, document, Some(Presentation { shown: Some(shown), text }))
+    presented(kind, document, Some(Presentation { shown: Some(shown), text: Some(text) }))
 }
 
 fn presented<'py>(

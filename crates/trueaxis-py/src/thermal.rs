@@ -16,7 +16,7 @@ use trueaxis_tables::text::read_text;
 ///
 /// Parameters
 /// ----------
-/// record : dict of array-likes or data frame or path-like
+/// record : dict of array-likes or data frame or path-like or file object
 ///     A file, or a dict of arrays t_s, cycle, T1_c[, …, T16_c][, spindle_rpm], ex_um[, ey_um, ez_um][, x_mm,
 ///     y_mm, z_mm, tool_mm]. Rows of the arrays count from line 2.
 /// machine : Machine, optional

@@ -1,6 +1,8 @@
 """Tests with instruments, compared with the command line and with the errors in the generated records."""
 
+import io
 import json
+import types
 
 import numpy as np
 import pandas
@@ -22,6 +24,8 @@ def same_as_command(tmp_path, kind, record, call, *options):
     assert code == 0, err
     found = call(record)
     assert found == call(str(file)) == json.loads(out)
+    with file.open() as text, file.open("rb") as binary:
+        assert found == call(text) == call(binary)
     return found
 
 
@@ -108,7 +112,9 @@ def test_ring(tmp_path):
 def test_refusals_of_a_record():
     call = lambda record: trueaxis.evaluate_probing(record, feature="ring")
     x = np.arange(5.0)
-    assert refused(lambda: call([1, 2]), TypeError) == "record: found list, needed a file, or a dict or data frame of columns"
+    assert refused(lambda: call([1, 2]), TypeError) == "record: found list, needed a path, a file object, or a dict or data frame of columns"
+    assert refused(lambda: call(io.BytesIO(b"x_mm,y_mm\n1,\xff\n"))) == 'record:2: found bytes that are not UTF-8, needed text in UTF-8'
+    assert "needed text or bytes" in refused(lambda: call(types.SimpleNamespace(read=lambda: 3)), TypeError)
     assert refused(lambda: call({"x_mm": x, "w": x})).startswith('record: found column "w", needed some of x_mm, y_mm')
     assert refused(lambda: call({"x_mm": x, "y_mm": x[:4].copy()})).startswith("y_mm: found shape (4,)")
     assert refused(lambda: call({"x_mm": x, "y_mm": x.astype(complex)}), TypeError).startswith("y_mm: found dtype complex128")

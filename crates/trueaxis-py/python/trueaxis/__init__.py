@@ -6,8 +6,9 @@ array-likes, data frames and files, and return results whose attributes are the 
 
 from . import _native, _types
 from ._native import *
+from ._propagate import Propagated, propagate
 from ._results import Figure, Result, Section
 from ._types import *
 
 __version__ = _native.__version__
-__all__ = [*(name for name in _native.__all__ if not name.startswith("_")), "__version__", "Figure", "Result", "Section", *_types.__all__]
+__all__ = [*(name for name in _native.__all__ if not name.startswith("_")), "__version__", "Figure", "Result", "Section", "Propagated", "propagate", *_types.__all__]

@@ -6,10 +6,11 @@ from typing import Any, ClassVar, Literal, Protocol, TypedDict, final, type_chec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._propagate import Propagated as Propagated, propagate as propagate
 from ._results import Figure as Figure, Result as Result, Section as Section
 from ._types import *
 
-__all__ = ["Error", "NeedsPerson", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "calibrate_plan", "calibrate_solve", "keep_plan", "keep_begin", "keep_check", "keep_apply", "keep_undo", "keep_history", "thermal_fit", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate", "accuracy", "thermal_compile", "learn", "import_table", "export_table", "trace_roundness", "__version__", "Figure", "Result", "Section", "Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "Uncertainty", "Helicoid", "Learned", "Transfer", "Run"]
+__all__ = ["Error", "NeedsPerson", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "calibrate_plan", "calibrate_solve", "keep_plan", "keep_begin", "keep_check", "keep_apply", "keep_undo", "keep_history", "thermal_fit", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate", "accuracy", "thermal_compile", "learn", "import_table", "export_table", "trace_roundness", "__version__", "Figure", "Result", "Section", "Propagated", "propagate", "Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "Uncertainty", "Helicoid", "Learned", "Transfer", "Run"]
 
 __version__: str
 
@@ -26,6 +27,12 @@ class Frame(Protocol):
     @property
     def columns(self) -> Any: ...
     def __getitem__(self, name: Any, /) -> Any: ...
+
+@type_check_only
+class Readable(Protocol):
+    """An open file, of text or bytes."""
+
+    def read(self) -> str | bytes: ...
 
 @type_check_only
 class ContourError(TypedDict):
@@ -182,7 +189,7 @@ def simulate(
 ) -> Run: ...
 def helicoid(*, gcode: bool = False, **request: Any) -> Helicoid: ...
 def identify(
-    readings: ArrayLike | Frame | str | PathLike[str],
+    readings: ArrayLike | Frame | str | PathLike[str] | Readable,
     *,
     axis: Literal["A", "B", "C"],
     machine: Machine | None = None,
@@ -191,7 +198,7 @@ def identify(
     table: bool = False,
 ) -> Identification: ...
 def friction(
-    record: ArrayLike | Frame | str | PathLike[str],
+    record: ArrayLike | Frame | str | PathLike[str] | Readable,
     *,
     axes: str,
     machine: Machine | None = None,
@@ -200,7 +207,7 @@ def friction(
     toml: bool = False,
 ) -> Friction: ...
 def ballbar(
-    record: ArrayLike | Frame | str | PathLike[str],
+    record: ArrayLike | Frame | str | PathLike[str] | Readable,
     *,
     radius_mm: float,
     axes: str = "X,Y",
@@ -244,7 +251,7 @@ def keep_apply(
 def keep_undo(task: str | PathLike[str], entry: int | None = None, *, time: str | None = None, by_hand: bool = False) -> dict[str, Any]: ...
 def keep_history(task: str | PathLike[str]) -> list[dict[str, Any]]: ...
 def thermal_fit(
-    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str] | Readable,
     *,
     machine: Machine | None = None,
     hold_out: Sequence[int] = ...,
@@ -284,26 +291,26 @@ def export_table(
     step: float | None = None,
 ) -> Transfer: ...
 def evaluate_probing(
-    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str] | Readable,
     *,
     feature: Literal["ring", "sphere", "point"],
     diameter_mm: float | None = None,
 ) -> Probing: ...
 def evaluate_thermal(
-    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str] | Readable,
     *,
     test: Literal["etve", "spindle", "axis"] = "spindle",
     period_min: float = 60.0,
     distance_mm: float | None = None,
 ) -> ThermalTest: ...
 def evaluate_step_diagonal(
-    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str] | Readable,
     *,
     alignment_urad: float | None = None,
     machine: Machine | None = None,
 ) -> StepDiagonal: ...
 def evaluate_r_test(
-    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str] | Readable,
     *,
     machine: Machine,
     tool_mm: Sequence[float] | None = None,
@@ -312,14 +319,14 @@ def evaluate_r_test(
     residuals: bool = False,
 ) -> RTest: ...
 def evaluate_points(
-    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str] | Readable,
     *,
     machine: Machine,
     nodes: Sequence[int] | None = None,
     without: Sequence[str] = ...,
 ) -> MeasuredPoints: ...
 def accuracy(
-    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str],
+    record: Mapping[str, ArrayLike] | Frame | str | PathLike[str] | Readable,
     *,
     axis: Literal["X", "Y", "Z", "A", "B", "C"] | None = None,
     machine: Machine | None = None,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -158,6 +159,28 @@ def _viewed(value: Any, kind: type[Section]) -> Any:
     return value
 
 
+class _Presentation:
+    """What the command prints and its report draws of a result, rendered when it is first asked for."""
+
+    def __init__(self, native: Any) -> None:
+        self._native = native
+
+    @cached_property
+    def parts(self) -> dict[str, Any]:
+        return {} if self._native is None else self._native.parts()
+
+    @cached_property
+    def text(self) -> str:
+        return "" if self._native is None else self._native.text()
+
+    @cached_property
+    def drawn(self) -> list[str]:
+        return [] if self._native is None else self._native.figures()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"parts": self.parts, "text": self.text, "drawn": self.drawn}
+
+
 class Result(Section):
     """A result: the fields of the command's JSON as attributes, its tables, figures and plots.
 
@@ -165,24 +188,24 @@ class Result(Section):
     in a notebook it is the table and the figures of the command's report.
     """
 
-    __slots__ = ("_parts", "_text", "_drawn")
-    _parts: dict[str, Any]
-    _text: str
-    _drawn: list[str]
+    __slots__ = ("_presentation",)
+    _presentation: _Presentation
 
     def __init__(self, document: Mapping[str, Any], presentation: Any = None) -> None:
         super().__init__(document)
-        known = presentation is not None
-        object.__setattr__(self, "_parts", presentation.parts() if known else {})
-        object.__setattr__(self, "_text", presentation.text() if known else "")
-        object.__setattr__(self, "_drawn", presentation.figures() if known else [])
+        own = presentation if isinstance(presentation, _Presentation) else _Presentation(presentation)
+        object.__setattr__(self, "_presentation", own)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (type(self), self._document, self._parts, self._text, self._drawn)
+        return type(self), (self._document, self._presentation)
+
+    @property
+    def _parts(self) -> dict[str, Any]:
+        return self._presentation.parts
 
     def __repr__(self) -> str:
-        if self._text:
-            return self._text.rstrip("\n")
+        if self._presentation.text:
+            return self._presentation.text.rstrip("\n")
         plain = {key: value for key, value in self._document.items() if isinstance(value, (str, int, float, bool))}
         return f"{type(self).__name__}({', '.join(f'{key}={value!r}' for key, value in plain.items())})"
 
@@ -194,7 +217,7 @@ class Result(Section):
         if parts["result"]:
             text += f"<p><b>{html.escape(parts['result'])}</b></p>"
         text += "".join(map(_html_table, (of for of in parts["tables"] if of["rows"])))
-        return text + "".join(self._drawn) + "".join(f"<p>{html.escape(note)}</p>" for note in parts["notes"])
+        return text + "".join(self._presentation.drawn) + "".join(f"<p>{html.escape(note)}</p>" for note in parts["notes"])
 
     @property
     def tables(self) -> list[str]:
@@ -312,13 +335,6 @@ def _covariance(of: Result) -> NDArray[np.float64]:
     if "covariance" not in of:
         raise ValueError(f"{type(of).__name__}: found no covariance, needed a result of calibrate_solve or evaluate_r_test")
     return np.array([list(row) for row in of["covariance"]["matrix"]])
-
-
-def _restored(kind: type[Result], document: dict[str, Any], parts: dict[str, Any], text: str, drawn: list[str]) -> Result:
-    result = kind(document)
-    for name, value in (("_parts", parts), ("_text", text), ("_drawn", drawn)):
-        object.__setattr__(result, name, value)
-    return result
 
 
 def _position(names: list[str], which: int | str) -> int:
