@@ -14,7 +14,7 @@ use trueaxis_tables::output::{Alone, Outputs};
 use trueaxis_tables::text::read_text;
 use trueaxis_tables::{Edited, Machine, Table};
 
-/// What an import or an export has written.
+/// Result of an import or an export.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TransferDocument {
     /// Name of the format.
@@ -25,7 +25,7 @@ pub struct TransferDocument {
     pub written: Vec<PathBuf>,
     /// Settings that the format cannot store and that were left out.
     pub left_out: Vec<String>,
-    /// What else was read into the file, set or changed.
+    /// Notes on what was read, set or changed.
     pub notes: Vec<String>,
 }
 

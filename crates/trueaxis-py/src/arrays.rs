@@ -20,8 +20,7 @@ pub(crate) enum Numbers<'py> {
 }
 
 impl Numbers<'_> {
-    /// The numbers. A thread of the caller that changes an array of its own meanwhile gets figures of old and new numbers, as
-    /// from NumPy.
+    /// The numbers. If another thread writes the array during the call, the figures mix old and new numbers, as NumPy's do.
     pub(crate) fn as_slice(&self) -> &[f64] {
         match self {
             // Only arrays stored row by row are lent.

@@ -61,7 +61,7 @@ impl Machine {
     /// >>> list(mill.table("X"))[:2]
     /// ['X_mm', 'EXX_fwd_um']
     fn table<'py>(&self, py: Python<'py>, axis: char) -> PyResult<Bound<'py, PyDict>> {
-        let table = to_python(self.text_of(axis_of(Some(axis))?.unwrap_or(Axis::X)))?;
+        let table = to_python(self.text_of(axis_of(axis)?))?;
         let columns = PyDict::new(py);
         for (index, column) in table.columns.iter().enumerate() {
             let values = table.rows.iter().filter_map(|row| row.get(index).copied()).collect();
@@ -98,7 +98,7 @@ impl Machine {
     /// >>> mill.with_table("X", table) == mill
     /// False
     fn with_table(&self, py: Python<'_>, axis: char, table: &Bound<'_, PyAny>) -> PyResult<Machine> {
-        let axis = axis_of(Some(axis))?.unwrap_or(Axis::X);
+        let axis = axis_of(axis)?;
         let old = to_python(self.text_of(axis))?;
         let names: Vec<&str> = old.columns.iter().map(|column| column.name.as_str()).collect();
         let rows = columns_of_table(table, "table", &names)?;

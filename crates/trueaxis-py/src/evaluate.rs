@@ -120,7 +120,7 @@ pub(crate) fn accuracy<'py>(
     tolerance_um: Option<f64>,
     confidence: f64,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let axis = machine::axis_of(axis)?;
+    let axis = axis.map(machine::axis_of).transpose()?;
     if !(50.0..=99.99).contains(&confidence) {
         return Err(Error::new_err(format!("confidence: found {confidence}, needed 50 to 99.99 %")));
     }

@@ -438,12 +438,9 @@ pub(crate) fn machine_of(path: PathBuf, name: PathBuf, files: Files, read: Arc<F
 }
 
 /// Returns the axis of a letter.
-pub(crate) fn axis_of(letter: Option<char>) -> PyResult<Option<Axis>> {
-    let axis = letter.map(|letter| {
-        let known = Axis::ALL.into_iter().find(|axis| axis.letter() == letter);
-        known.ok_or_else(|| Error::new_err(format!("axis: found {letter:?}, needed X, Y, Z, A, B or C")))
-    });
-    axis.transpose()
+pub(crate) fn axis_of(letter: char) -> PyResult<Axis> {
+    let known = Axis::ALL.into_iter().find(|axis| axis.letter() == letter);
+    known.ok_or_else(|| Error::new_err(format!("axis: found {letter:?}, needed X, Y, Z, A, B or C")))
 }
 
 /// Returns the error model of this name.

@@ -94,7 +94,7 @@ pub(crate) fn import_table<'py>(
     let options = ImportOptions {
         format: of,
         recognise: format == "linuxcnc" && comp_file_type.is_none(),
-        axis: axis_of(axis)?,
+        axis: axis.map(axis_of).transpose()?,
         unit: in_arguments(unit.map(|name| self::unit(name, of)).transpose())?,
         columns: columns.as_deref(),
         area: area.transpose()?,
@@ -152,7 +152,7 @@ pub(crate) fn export_table<'py>(
     }
     let of = in_arguments(self::format("--to", format, checked(comp_file_type)?))?;
     let loss = if drop { Loss::Drop } else { Loss::Refuse };
-    let options = ExportOptions { loss, axis: axis_of(axis)?, step, source: own.path.clone() };
+    let options = ExportOptions { loss, axis: axis.map(axis_of).transpose()?, step, source: own.path.clone() };
     let mut lines = Vec::new();
     let say = &mut |line| lines.push(line);
     let found = py.detach(|| transfer::export(of, &own.machine, files(&own.path), &options, &file, say));

@@ -91,7 +91,7 @@ pub trait Model: Sync {
     }
 }
 
-/// A model at many positions of X, Y, Z, in mm; it has no other axes. The same numbers as one by one.
+/// A model of X, Y, Z alone at many positions, mm: at each, the numbers of [`Model`].
 pub trait Many: Sync {
     /// Writes the error of the tip at every position, mm; returns the number of positions beyond a table's end.
     fn errors(&self, positions: &[[f64; 3]], directions: &[Direction; AXES], tips: &mut [[f64; 3]]) -> usize;

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._results import Figure
+from ._results import Figure, correlation_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -60,12 +60,7 @@ class Propagated(Mapping[str, Figure]):
     @property
     def correlation(self) -> NDArray[np.float64]:
         """Correlation of the figures over the draws, in the order of `names`; 0 for a figure that does not vary."""
-        covariance = self.covariance
-        errors = np.sqrt(np.diag(covariance))
-        errors[errors == 0.0] = 1.0
-        correlation: NDArray[np.float64] = covariance / np.outer(errors, errors)
-        np.fill_diagonal(correlation, 1.0)
-        return correlation
+        return correlation_of(self.covariance)
 
     def to_ufloats(self) -> dict[str, Any]:
         """Return the figures as numbers of the package ``uncertainties``, with their correlations.

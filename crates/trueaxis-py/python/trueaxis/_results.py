@@ -39,7 +39,7 @@ class Figure:
     unit : str
         Unit of the value and of its uncertainty; empty for a number without one.
     expanded : float or None
-        Half of the interval that contains the true value with 95 %; None if it is not known.
+        Half the width of the interval that contains the true value with 95 % probability; None if it is not known.
     """
 
     name: str
@@ -243,12 +243,7 @@ class Result(Section):
     @property
     def correlation(self) -> NDArray[np.float64]:
         """Correlation of the terms of a fit, in the order of `covariance.names`; from the covariance that the fit found."""
-        matrix = _covariance(self)
-        errors = np.sqrt(np.diag(matrix))
-        errors[errors == 0.0] = 1.0
-        correlation: NDArray[np.float64] = matrix / np.outer(errors, errors)
-        np.fill_diagonal(correlation, 1.0)
-        return correlation
+        return correlation_of(_covariance(self))
 
     def to_ufloats(self) -> dict[str, Any]:
         """Return the terms of a fit as numbers of the package ``uncertainties``, with their correlations.
@@ -329,6 +324,15 @@ class Result(Section):
         {"plot": _draw_plot, "polar": _draw_polar, "map": _draw_map}[kind](ax, drawn)
         ax.set_title(drawn["title"])
         return ax
+
+
+def correlation_of(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the correlation matrix; 0 beside the diagonal for a figure that does not vary."""
+    errors = np.sqrt(np.diag(covariance))
+    errors[errors == 0.0] = 1.0
+    correlation: NDArray[np.float64] = covariance / np.outer(errors, errors)
+    np.fill_diagonal(correlation, 1.0)
+    return correlation
 
 
 def _covariance(of: Result) -> NDArray[np.float64]:

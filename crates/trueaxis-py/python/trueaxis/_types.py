@@ -2631,7 +2631,7 @@ class Transfer(Result):
     left_out : tuple[str, ...]
         Settings that the format cannot store and that were left out.
     notes : tuple[str, ...]
-        What else was read into the file, set or changed.
+        Notes on what was read, set or changed.
     """
 
     __slots__ = ()

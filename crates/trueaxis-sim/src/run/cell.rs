@@ -53,6 +53,8 @@ pub(super) struct Cell<const N: usize> {
     /// Index in the step's order for each of the machine's axes.
     order: Vec<Option<usize>>,
     pub(super) axes: [Axis; N],
+    /// Number of slots that are not spare.
+    used: usize,
     kind: Kind,
     origin: DVec3,
     truth: Truth,
@@ -94,6 +96,7 @@ where
             plant,
             order,
             axes,
+            used: scenario.machine.settings.step_axes().count(),
             kind,
             origin: DVec3::from(scenario.origin_mm),
             truth: Truth::default(),
@@ -253,7 +256,7 @@ where
     ) -> Sample {
         let running = self.stopped_for == 0;
         let stepped = self.exchange((number, false), commanded, shared, sink);
-        self.sums.digest.add_axes(&stepped.output, shared.scenario.machine.settings.step_axes().count());
+        self.sums.digest.add_axes(&stepped.output, self.used);
         let record = &stepped.output.record;
         if stepped.output.stop_requested() {
             self.sums.stopped = true;
