@@ -7,6 +7,7 @@ plain=
 if [[ $repository$HOME${CARGO_HOME-} != *[[:space:]]* ]]; then
     plain="--remap-path-prefix=$repository=. --remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=cargo"
 fi
+export RUSTC_WRAPPER=$repository/firmware-sim/cortex-m/rustc.sh
 flags() {
     case $1 in
     m4f) echo "$plain" ;;

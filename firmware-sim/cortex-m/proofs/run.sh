@@ -13,6 +13,7 @@ tools=$(rustc --print sysroot)/lib/rustlib/$host/bin
 [[ -x $tools/llvm-objdump ]] || rustup component add llvm-tools
 # Built beside the images, which need the same of the host.
 built=${CARGO_TARGET_DIR:-$(cd .. && pwd)/target}
+export RUSTC_WRAPPER=$(cd .. && pwd)/rustc.sh
 target=$built/proofs
 mkdir -p "$target"
 
