@@ -47,8 +47,11 @@ pub fn error_motion(values: &[f64], points: usize) -> Result<ErrorMotion, Config
         return Err(ConfigError::new(Field::Points, values.len() as f64, "whole revolutions of N values"));
     }
     let count = values.len() / points;
-    let at = |i: usize| values.iter().skip(i).step_by(points).copied();
-    let mean: Vec<f64> = (0..points).map(|i| at(i).sum::<f64>() / count as f64).collect();
+    let mut mean = std::vec![0.0; points];
+    for revolution in values.chunks(points) {
+        mean.iter_mut().zip(revolution).for_each(|(sum, value)| *sum += value);
+    }
+    mean.iter_mut().for_each(|sum| *sum /= count as f64);
     let position = mean.iter().sum::<f64>() / points as f64;
     let turns: Vec<[f64; 2]> = (0..points)
         .map(|i| {
@@ -69,7 +72,13 @@ pub fn error_motion(values: &[f64], points: usize) -> Result<ErrorMotion, Config
         .chunks(points)
         .map(|revolution| revolution.iter().zip(&mean_contour).map(|(v, m)| (v - m).abs()).fold(0.0, f64::max))
         .collect();
-    let asynchronous = (count > 1).then(|| (0..points).map(|i| range(at(i))).fold(0.0, f64::max));
+    let mut between = std::vec![[f64::INFINITY, f64::NEG_INFINITY]; points];
+    for revolution in values.chunks(points) {
+        for ([least, most], value) in between.iter_mut().zip(revolution) {
+            (*least, *most) = (least.min(*value), most.max(*value));
+        }
+    }
+    let asynchronous = (count > 1).then(|| between.iter().map(|[least, most]| most - least).fold(0.0, f64::max));
     Ok(ErrorMotion {
         position,
         once_per_revolution: libm::hypot(cos, sin),

@@ -65,6 +65,35 @@ fn no_level_readings_give_a_better_circle() {
 }
 
 #[test]
+fn no_level_readings_of_an_equidistant_profile_give_a_better_circle() {
+    for seed in 0..1_500 {
+        let mut random = Noise::new(seed);
+        let n = 3 + (seed % 10) as usize;
+        let theta: Vec<f64> = (0..n).map(|i| TAU * i as f64 / n as f64).collect();
+        // Smooth, rough, and on a coarse grid, so that many readings are level.
+        let profile: Vec<f64> = theta
+            .iter()
+            .map(|theta| match seed % 3 {
+                0 => (3.0 * random.signed()).round(),
+                1 => 40.0 + random.signed(),
+                _ => 7.0 * theta.cos() + (2.0 * theta).sin() + 0.01 * random.signed(),
+            })
+            .collect();
+        let [zone, outer, inner] = enumerate(&theta, &profile);
+        let [_, mzc, mic, mcc] = limacon::Turn::new(n).four_circles(&profile).unwrap();
+        assert!((mzc.zone - zone).abs() < 1e-12, "{seed}: {mzc:?} for {zone}");
+        assert!((mcc.outer - outer).abs() < 1e-12 && mcc.radius == mcc.outer, "{seed}: {mcc:?} for {outer}");
+        assert!((mic.inner - inner).abs() < 1e-12 && mic.radius == mic.inner, "{seed}: {mic:?} for {inner}");
+        for (circle, levels) in [(&mzc, [mzc.outer, mzc.inner]), (&mcc, [mcc.outer; 2]), (&mic, [mic.inner; 2])] {
+            for &i in &circle.contacts {
+                let value = residuals(&theta, &profile, circle.centre).nth(i).unwrap();
+                assert!(levels.iter().any(|level| (value - level).abs() < 1e-12), "{seed}: {circle:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn eccentricity_comes_off_lobes_exactly() {
     for (n, lobes) in [(360, 3), (1024, 2), (1000, 60), (4000, 5), (720, 7)] {
         let profile: Vec<f64> = (0..n)
@@ -137,7 +166,7 @@ fn four_circles_at_once_are_those_one_by_one() {
                 limacon::minimum_circumscribed(&profile),
             ];
             assert_eq!(
-                limacon::four_circles(&profile),
+                limacon::Turn::new(profile.len()).four_circles(&profile),
                 Ok(apart.map(|circle| circle.expect("enough readings"))),
                 "{n}"
             );

@@ -44,12 +44,11 @@ fn variance(readings: &[f64]) -> f64 {
 fn once_per_revolution(weights: [f64; 3], probes: &[Vec<f64>; 3], points: usize, noise: f64) -> Option<String> {
     let rows = probes[0].len();
     let per_row = std::f64::consts::TAU / points as f64;
+    let turn: Vec<(f64, f64)> = (0..points).map(|row| (per_row * row as f64).sin_cos()).collect();
     // k_i H_i(1), real and imaginary part.
     let parts: [[f64; 2]; 3] = std::array::from_fn(|probe| {
-        let sums = probes[probe].iter().enumerate().fold([0.0; 2], |[re, im], (row, value)| {
-            let (sin, cos) = (per_row * (row % points) as f64).sin_cos();
-            [re + value * cos, im - value * sin]
-        });
+        let readings = probes[probe].chunks(points).flat_map(|revolution| revolution.iter().zip(&turn));
+        let sums = readings.fold([0.0; 2], |[re, im], (value, (sin, cos))| [re + value * cos, im - value * sin]);
         sums.map(|sum| 2.0 * weights[probe] * sum / rows as f64)
     });
     let left = |reversed: Option<usize>| {
@@ -78,13 +77,11 @@ fn between_revolutions(separations: &[Separation], expected: f64) -> Option<Stri
     if count < 2 {
         return None;
     }
-    let (mut squares, mut apart) = (0.0, 0.0);
-    for at in 0..points {
-        let values = || profiles().map(|profile| profile[at]);
-        let mean = values().sum::<f64>() / count as f64;
-        squares += mean * mean;
-        apart += values().map(|value| (value - mean).powi(2)).sum::<f64>();
-    }
+    let mean = super::document::mean(profiles(), points, count);
+    let squares: f64 = mean.iter().map(|mean| mean * mean).sum();
+    let from_mean =
+        |profile: &[f64]| profile.iter().zip(&mean).map(|(value, mean)| (value - mean).powi(2)).sum::<f64>();
+    let apart: f64 = profiles().map(from_mean).sum();
     let profile = (squares / points as f64).sqrt();
     let spread = (apart / (points * (count - 1)) as f64).sqrt();
     (spread > (NOISE * expected).max(SPREAD * profile)).then(|| {

@@ -143,9 +143,9 @@ pub struct Evaluation {
 }
 
 impl Circles {
-    fn of(profile: &[f64]) -> Result<Circles> {
+    fn of(turn: &limacon::Turn, profile: &[f64]) -> Result<Circles> {
         let [lsc, mzc, mic, mcc] =
-            limacon::four_circles(profile).map_err(|error| anyhow!("circles of the profile: {error}"))?;
+            turn.four_circles(profile).map_err(|error| anyhow!("circles of the profile: {error}"))?;
         Ok(Circles { lsc, mzc, mic, mcc })
     }
 
@@ -165,9 +165,10 @@ impl Evaluation {
             Some(cut_off) => separator.filtered(profile, cut_off),
             None => Ok(profile.to_vec()),
         };
-        let mean = mean(separations.iter().map(|parts| &parts.profile), points, separations.len());
+        let mean = mean(separations.iter().map(|parts| parts.profile.as_slice()), points, separations.len());
         let profile = filtered(&mean)?;
-        let circles = Circles::of(&profile)?;
+        let turn = limacon::Turn::new(points);
+        let circles = Circles::of(&turn, &profile)?;
         let motion = |part: fn(&Separation) -> &[f64]| {
             let values: Vec<f64> = separations.iter().flat_map(|parts| part(parts).iter().copied()).collect();
             error_motion(&values, points)
@@ -175,7 +176,7 @@ impl Evaluation {
         let (x, y) = (motion(|parts| &parts.x)?, motion(|parts| &parts.y)?);
         let zones: Vec<Zones> = separations
             .par_iter()
-            .map(|parts| Ok(Circles::of(&filtered(&parts.profile)?)?.zones()))
+            .map(|parts| Ok(Circles::of(&turn, &filtered(&parts.profile)?)?.zones()))
             .collect::<Result<_>>()?;
         let per_revolution = (1..)
             .zip(zones)
@@ -203,7 +204,8 @@ impl Evaluation {
     }
 }
 
-fn mean<'a>(profiles: impl Iterator<Item = &'a Vec<f64>>, points: usize, count: usize) -> Vec<f64> {
+/// Mean of `count` profiles.
+pub(super) fn mean<'a>(profiles: impl Iterator<Item = &'a [f64]>, points: usize, count: usize) -> Vec<f64> {
     let mut sum = vec![0.0; points];
     for profile in profiles {
         for (sum, value) in sum.iter_mut().zip(profile) {
