@@ -489,3 +489,29 @@ fn figures_have_the_digits_that_they_came_with() {
     let document = directory.good(&["correct", mill.to_str().unwrap(), "--at", "0,0,0", "--json"]);
     assert!(document.contains(" 0.0") && !document.contains("-0.0,") && !document.contains("-0.0\n"), "{document}");
 }
+
+#[test]
+fn notes_on_exported_files_name_the_files_that_were_written() {
+    let directory = Folder::new(TRUEAXIS);
+    directory.write("x.comp", "-100 -99.999 -99.998\n10 10.0163 10.0163\n");
+    directory.reported(&[
+        "tables",
+        "import",
+        "--from",
+        "linuxcnc-0",
+        "--unit",
+        "mm",
+        "x.comp",
+        "--axis",
+        "X",
+        "-o",
+        "m",
+    ]);
+    let export = |to| ["tables", "export", "--to", to, "m", "--drop", "-o", "screw.comp"];
+    let said = directory.reported(&export("linuxcnc-0"));
+    assert!(said.contains("note: COMP_FILE = screw.comp and"), "{said}");
+    directory.bad(
+        &export("gridd"),
+        &["--to", "\"gridd\"", "needed linuxcnc, linuxcnc-0, linuxcnc-1, siemens, isg or iso230-2"],
+    );
+}

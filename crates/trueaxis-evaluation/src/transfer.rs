@@ -29,19 +29,30 @@ pub struct TransferDocument {
     pub notes: Vec<String>,
 }
 
-/// A format by its name on the command line, whose option is named in errors.
+/// A format to read, by its name on the command line.
 ///
 /// # Errors
 /// No such format.
-pub fn format(option: &str, name: &str, comp_file_type: Option<u8>) -> Result<Format> {
-    let format = match (name, comp_file_type) {
-        ("linuxcnc", None | Some(0)) => Format::LinuxCnc(CompFileType::Positions),
-        ("linuxcnc", Some(_)) => Format::LinuxCnc(CompFileType::Trims),
-        _ => Format::from_name(name).ok_or_else(|| {
-            anyhow!("{option}: found \"{name}\", needed linuxcnc, linuxcnc-0, linuxcnc-1, siemens, isg, iso230-2, columns, rtl, bed-mesh, heightmap, marlin or grid")
-        })?,
-    };
-    Ok(format)
+pub fn format_to_read(name: &str, comp_file_type: Option<u8>) -> Result<Format> {
+    let needed = "siemens, isg, iso230-2, columns, rtl, bed-mesh, heightmap, marlin or grid";
+    format("--from", name, comp_file_type, needed)
+}
+
+/// A format to write, by its name on the command line.
+///
+/// # Errors
+/// No such format.
+pub fn format_to_write(name: &str, comp_file_type: Option<u8>) -> Result<Format> {
+    format("--to", name, comp_file_type, "siemens, isg or iso230-2")
+}
+
+fn format(option: &str, name: &str, comp_file_type: Option<u8>, others: &str) -> Result<Format> {
+    match (name, comp_file_type) {
+        ("linuxcnc", None | Some(0)) => Ok(Format::LinuxCnc(CompFileType::Positions)),
+        ("linuxcnc", Some(_)) => Ok(Format::LinuxCnc(CompFileType::Trims)),
+        _ => Format::from_name(name)
+            .ok_or_else(|| anyhow!("{option}: found \"{name}\", needed linuxcnc, linuxcnc-0, linuxcnc-1, {others}")),
+    }
 }
 
 /// The unit with this name; µm is one of readings only.
@@ -211,19 +222,23 @@ pub fn export(
     let alone = exported.files.len() == 1;
     let mut outputs = Outputs::of(inputs);
     let mut written = Vec::new();
+    let mut notes = exported.notes;
     for (name, text) in &exported.files {
         let file = if alone { output.to_path_buf() } else { file_of_axis(output, name) };
         outputs.put(&file, text.as_bytes())?;
+        if let Some(own) = file.file_name() {
+            notes.iter_mut().for_each(|note| *note = note.replace(name, &own.to_string_lossy()));
+        }
         written.push(file);
     }
     outputs.commit()?;
     written.iter().for_each(|file| say(format!("written {}", file.display())));
     exported.dropped.iter().for_each(|dropped| say(format!("left out: {dropped}")));
-    exported.notes.iter().for_each(|note| say(format!("note: {note}")));
+    notes.iter().for_each(|note| say(format!("note: {note}")));
     let meaning = meaning(format).to_owned();
     say(format!("{}: {meaning}", format.name()));
     let left_out = exported.dropped.iter().map(ToString::to_string).collect();
-    Ok(TransferDocument { format: format.name(), meaning, written, left_out, notes: exported.notes })
+    Ok(TransferDocument { format: format.name(), meaning, written, left_out, notes })
 }
 
 /// The file for one axis: `OUT.comp` and `x.comp` make `OUT-x.comp`.

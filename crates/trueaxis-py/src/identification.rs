@@ -109,6 +109,8 @@ pub(crate) fn identify<'py>(
 ///     States the figures of its drives; adds `written`, the decision on every figure, as in `identify`.
 /// find_drive : bool, default False
 ///     Whether the drives' figures are found even if the machine states them.
+/// find_resonance : bool, default False
+///     Whether the resonance of motor and load of each axis is searched for too; this takes several times as long.
 /// read_after_us : float, optional
 ///     Time of the encoder's reading, µs after the command of its row takes effect (negative: before); used if the
 ///     drives' figures are found too.
@@ -129,13 +131,15 @@ pub(crate) fn identify<'py>(
 /// -----
 /// Writes no file.
 #[pyfunction]
-#[pyo3(signature = (record, *, axes, machine = None, find_drive = false, read_after_us = None, toml = false))]
+#[pyo3(signature = (record, *, axes, machine = None, find_drive = false, find_resonance = false, read_after_us = None,
+    toml = false))]
 pub(crate) fn friction<'py>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
     axes: &str,
     machine: Option<Bound<'py, Machine>>,
     find_drive: bool,
+    find_resonance: bool,
     read_after_us: Option<f64>,
     toml: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
@@ -155,7 +159,10 @@ pub(crate) fn friction<'py>(
         };
         let mut recording = circles::Recording::read(measured.rows(&columns, &mut notes)?, axes)?;
         recording.record.read_after_s = read_after_s;
-        let (found, document) = circles::fit(&recording, given, &mut |_, _| {})?;
+        let (mut found, mut document) = circles::fit(&recording, given, &mut |_, _| {})?;
+        if find_resonance {
+            document = circles::resonances(&recording, &mut found, &mut |_, _| {})?;
+        }
         let sections = toml.then(|| circles::sections(measured.name(), &found));
         let written = decided(machine, &measured, || Ok(circles::additions(&found)), &mut notes);
         let shown = Shown { plots: circles::spikes(&found), ..document.shown() };

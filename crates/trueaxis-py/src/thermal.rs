@@ -9,7 +9,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use trueaxis::tcomp::machine_id;
-use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, model, settings, written};
+use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, model, settings, with_rate, written};
+use trueaxis_metrology::thermal::RATE_K_PER_MIN;
 use trueaxis_tables::text::read_text;
 
 /// Fit lags of sensors and curves of growth to cycles recorded according to ISO 230-3.
@@ -25,6 +26,9 @@ use trueaxis_tables::text::read_text;
 ///     Cycles to exclude from the fit; by default, the last one.
 /// without : sequence of str, optional
 ///     Sensors to omit, such as "T3".
+/// rate_k_per_min : float, optional
+///     Largest rate at which a sensor warms or cools, K/min, 0.1 to 1000; a faster change is refused as a jump. By default,
+///     that of the command.
 /// toml : bool, default False
 ///     Whether the result has the text of a thermal.toml under `toml`.
 ///
@@ -47,17 +51,22 @@ use trueaxis_tables::text::read_text;
 ///
 /// If an otherwise even record lacks rows, `missing` lists them, each with a warning.
 #[pyfunction]
-#[pyo3(signature = (record, *, machine = None, hold_out = Vec::new(), without = Vec::new(), toml = false))]
+#[pyo3(signature = (record, *, machine = None, hold_out = Vec::new(), without = Vec::new(),
+    rate_k_per_min = RATE_K_PER_MIN, toml = false))]
 pub(crate) fn thermal_fit<'py>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
     machine: Option<Bound<'py, Machine>>,
     hold_out: Vec<u32>,
     without: Vec<String>,
+    rate_k_per_min: f64,
     toml: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
     let measured = Measured::of_columns(record, "record", &COLUMNS)?;
     let settings = settings(machine.as_ref().map(|machine| &machine.get().machine.settings), hold_out);
+    // Python calls the command line's options arguments.
+    let settings = with_rate(settings, rate_k_per_min)
+        .map_err(|error| raised(&error, error.to_string().replace("--rate-k-per-min", "rate_k_per_min")))?;
     let mut notes = Vec::new();
     let found = py.detach(|| {
         let recording = Recording::read(measured.rows(&COLUMNS, &mut notes)?, &without)?;

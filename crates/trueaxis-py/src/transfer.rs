@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use trueaxis_evaluation::model::files;
-use trueaxis_evaluation::transfer::{self, ImportOptions, TransferDocument, format, unit};
+use trueaxis_evaluation::transfer::{self, ImportOptions, TransferDocument, unit};
 use trueaxis_tables::formats::marlin::Area;
 use trueaxis_tables::formats::{ExportOptions, Loss};
 
@@ -80,7 +80,7 @@ pub(crate) fn import_table<'py>(
     mesh: Option<String>,
     new: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let of = in_arguments(transfer::format("--from", format, checked(comp_file_type)?))?;
+    let of = in_arguments(transfer::format_to_read(format, checked(comp_file_type)?))?;
     let area = area_mm.map(|area| {
         let found = format!("{area:?}");
         Area::try_from(area).map_err(|_| {
@@ -150,7 +150,7 @@ pub(crate) fn export_table<'py>(
     if own.stated.is_none() {
         return Err(Error::new_err("machine: found a compiled file, needed a machine.toml"));
     }
-    let of = in_arguments(self::format("--to", format, checked(comp_file_type)?))?;
+    let of = in_arguments(transfer::format_to_write(format, checked(comp_file_type)?))?;
     let loss = if drop { Loss::Drop } else { Loss::Refuse };
     let options = ExportOptions { loss, axis: axis.map(axis_of).transpose()?, step, source: own.path.clone() };
     let mut lines = Vec::new();

@@ -122,6 +122,8 @@ def test_a_thermal_fit_is_that_of_the_command(tmp_path):
     assert drift > 15 and left < 0.3
     text = trueaxis.thermal_fit(file, machine=mill, hold_out=[2], without=["T2"], toml=True).toml
     assert text == toml.read_text()
+    assert refused(lambda: trueaxis.thermal_fit(record, rate_k_per_min=0.0)) == "rate_k_per_min: found 0, needed 0.1 to 1000"
+    assert "rate_k_per_min = 40" in trueaxis.thermal_fit(record, rate_k_per_min=40.0, toml=True).toml
     assert refused(lambda: trueaxis.thermal_fit(record, without=["T7"])) == "without: found T7, needed one of T1, T2"
     gap = {name: np.delete(values, [120, 121]) for name, values in record.items()}
     with pytest.warns(UserWarning, match="line 122: 2 rows of cycle 1 are missing, 600 s where rows are 300 s apart"):

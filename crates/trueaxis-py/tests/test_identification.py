@@ -144,6 +144,9 @@ def test_friction_is_that_of_the_command(tmp_path, record):
     assert refused(lambda: trueaxis.friction(file, axes="X,Y", read_after_us=1e6)).startswith("read_after_us: found 1000000 µs")
     assert trueaxis.friction(file, axes="X,Y", machine=machine, toml=True)["toml"] == (tmp_path / "f.toml").read_text()
     assert_lock_is_released(lambda: trueaxis.friction(record, axes="X,Y", machine=machine))
+    assert all(axis["resonance"] is None and axis["resonance_not_found"] is None for axis in found["axes"])
+    searched = trueaxis.friction(record, axes="X,Y", machine=machine, find_resonance=True)
+    assert all(axis.resonance is not None or "needed" in axis.resonance_not_found for axis in searched.axes)
 
 
 def test_refusals_of_friction(record):

@@ -184,7 +184,7 @@ pub(crate) fn run(command: Command) -> Result<()> {
         Command::Show { file, json } => compile::show(&file, json),
         Command::Collapse(arguments) => collapse::run(&arguments),
         Command::Import { from, file, axis, comp_file_type, unit, columns, area, mesh, output, new } => {
-            let format = transfer::format("--from", &from, comp_file_type)?;
+            let format = transfer::format_to_read(&from, comp_file_type)?;
             let options = transfer::ImportOptions {
                 format,
                 recognise: from == "linuxcnc" && comp_file_type.is_none(),
@@ -204,7 +204,7 @@ pub(crate) fn run(command: Command) -> Result<()> {
                 step,
                 source: machine.clone(),
             };
-            let format = transfer::format("--to", &to, comp_file_type)?;
+            let format = transfer::format_to_write(&to, comp_file_type)?;
             let inputs = model::files(&machine);
             transfer::export(format, &model::source(&machine)?, inputs, &options, &output, &mut report_line).map(|_| ())
         }

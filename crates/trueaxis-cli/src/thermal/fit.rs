@@ -2,12 +2,12 @@
 
 use crate::output::{json, print, progress};
 use crate::{csv_in, model, report};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::Args;
 use maud::html;
 use std::path::PathBuf;
-use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, residuals, settings, written};
-use trueaxis_metrology::thermal::{RATE_K_PER_MIN, Settings};
+use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, residuals, settings, with_rate, written};
+use trueaxis_metrology::thermal::RATE_K_PER_MIN;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const EXAMPLE: &str = "\
@@ -83,12 +83,8 @@ pub(super) fn run(arguments: &ThermalFitArgs) -> Result<()> {
     if let Some(output) = &arguments.output {
         outputs.refuse_input(output)?;
     }
-    let rate_k_per_min = arguments.rate_k_per_min;
-    if !(0.1..=1000.0).contains(&rate_k_per_min) {
-        bail!("--rate-k-per-min: found {rate_k_per_min}, needed 0.1 to 1000");
-    }
     let settings = settings(machine.as_ref().map(|machine| &machine.settings), arguments.hold_out.clone());
-    let settings = Settings { rate_k_per_min, ..settings };
+    let settings = with_rate(settings, arguments.rate_k_per_min)?;
     let recording = Recording::read(csv_in::open(&arguments.record, &COLUMNS, "rows")?, &arguments.without)?;
     let bar = progress(0, "fitting").with_style(indicatif::ProgressStyle::default_spinner());
     let found = FittedRecording::of(recording, &settings, &mut |cause| {

@@ -19,7 +19,7 @@ pub use record::{COLUMNS, Recording, with_temperatures};
 pub use text::model;
 pub use written::written;
 
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use figures::worst;
 use trueaxis::Axis;
 use trueaxis::machine::MachineSettings;
@@ -49,6 +49,17 @@ pub fn settings(machine: Option<&MachineSettings>, held_out: Vec<u32>) -> Settin
         held_out,
         rate_k_per_min: RATE_K_PER_MIN,
     }
+}
+
+/// The settings with the largest rate at which a sensor warms or cools, K/min, under its command-line name in errors.
+///
+/// # Errors
+/// A rate outside 0.1 to 1000.
+pub fn with_rate(settings: Settings, rate_k_per_min: f64) -> Result<Settings> {
+    if !(0.1..=1000.0).contains(&rate_k_per_min) {
+        bail!("--rate-k-per-min: found {rate_k_per_min}, needed 0.1 to 1000");
+    }
+    Ok(Settings { rate_k_per_min, ..settings })
 }
 
 impl FittedRecording {

@@ -203,6 +203,7 @@ def friction(
     axes: str,
     machine: Machine | None = None,
     find_drive: bool = False,
+    find_resonance: bool = False,
     read_after_us: float | None = None,
     toml: bool = False,
 ) -> Friction: ...
@@ -256,6 +257,7 @@ def thermal_fit(
     machine: Machine | None = None,
     hold_out: Sequence[int] = ...,
     without: Sequence[str] = ...,
+    rate_k_per_min: float = ...,
     toml: bool = False,
 ) -> ThermalFit: ...
 def thermal_compile(thermal: ThermalFit | str | PathLike[str], *, machine: Machine) -> bytes: ...
