@@ -29,7 +29,7 @@ FILES = ("files", "Section", "Changed files of the machine as texts, by name, wi
 TOML = ("toml", "str", "Text of the settings found, with `toml=True`.")
 TRACE = [("theta_deg", "NDArray[np.float64]", "Angles of the trace, of `trace_roundness`."),
          ("radius_mm", "NDArray[np.float64]", "Radii of the trace as filtered, of `trace_roundness`.")]
-RESIDUALS = ("residuals_um", "NDArray[np.float64]", "Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test.")
+RESIDUALS = ("residuals_um", "NDArray[np.float64]", "Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test or a measured point.")
 PROGRAM = ("program_text", "str", "Text of the program.")
 RESULTS = [
     ("Circle", "circle, trace_roundness", f"{EVALUATION}/circle/mod.rs", "CircleDocument", TRACE),
@@ -50,7 +50,7 @@ RESULTS = [
     ("ThermalTest", "evaluate_thermal", f"{EVALUATION}/thermal_test/document.rs", "ThermalTestDocument", []),
     ("StepDiagonal", "evaluate_step_diagonal", f"{EVALUATION}/diagonal/document.rs", "DiagonalDocument", [WRITTEN]),
     ("RTest", "evaluate_r_test", f"{EVALUATION}/r_test/document.rs", "RTestDocument", [WRITTEN, RESIDUALS]),
-    ("MeasuredPoints", "evaluate_points", f"{EVALUATION}/points/document.rs", "PointsDocument", []),
+    ("MeasuredPoints", "evaluate_points", f"{EVALUATION}/points/document.rs", "PointsDocument", [RESIDUALS]),
     ("Uncertainty", "Machine.uncertainty", f"{EVALUATION}/uncertainty/document.rs", "UncertaintyDocument", []),
     ("Helicoid", "helicoid", f"{EVALUATION}/helicoid/document.rs", "HelicoidDocument",
      [("program", "str", "Text of the program, with `gcode=True`.")]),

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::sync::OnceLock;
 use trueaxis_testing::command::Folder;
+use trueaxis_testing::covariance::{at, check};
 
 const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 const PERIOD_S: f64 = 5e-4;
@@ -88,6 +89,17 @@ fn folder(record: &str) -> Folder {
 
 const CALL: [&str; 6] = ["friction", "record.csv", "--axes", "X,Y", "--machine", "machine.toml"];
 
+/// Names of the figures in the covariance, whose diagonal are the squares of the standard errors.
+#[track_caller]
+fn covariant(found: &Value) -> Vec<String> {
+    check(&found["covariance"], |name| {
+        let (letter, key) = name.split_once('.').unwrap();
+        let axis = found["axes"].as_array().unwrap().iter().find(|own| own["axis"] == letter).unwrap();
+        let of = if axis["friction"][key].is_null() { "drive" } else { "friction" };
+        [at(&axis[of], key), at(&axis["standard_errors"], key)]
+    })
+}
+
 fn near(value: &Value, truth: f64, tolerance: f64) {
     let value = value.as_f64().unwrap();
     assert!((value / truth - 1.0).abs() < tolerance, "{value} for {truth}");
@@ -111,6 +123,9 @@ fn friction_is_found_and_what_is_written_is_a_machine_s() {
         assert!(axis["explained"].as_f64().unwrap() > 0.98);
         assert!(axis["resonance"].is_null() && axis["resonance_not_found"].is_null(), "nobody asked: {axis}");
     }
+    let names = covariant(&found);
+    assert!(names.contains(&"X.coulomb_mm_per_s".into()) && names.contains(&"Y.presliding_um".into()), "{names:?}");
+    assert!(!names.iter().any(|name| name.ends_with("position_gain_per_s")), "{names:?}");
     let page = folder.read("out/friction.html");
     assert!(page.contains("Axis Y, ") && page.contains("after, expected"));
     // The machine accepts the settings when they are appended to it.
@@ -141,6 +156,15 @@ fn the_drive_is_found_where_no_machine_states_it() {
     near(&timed["axes"][0]["drive"]["velocity_feed_forward"], 0.93, 0.003);
     let error = |found: &Value| found["axes"][0]["standard_errors"]["velocity_feed_forward"].as_f64().unwrap();
     assert!(error(&timed) < 0.1 * error(&found), "{} with the time, {} without", error(&timed), error(&found));
+    let fitted = |found: &Value| {
+        let figures = covariant(found);
+        let standard =
+            found["axes"].as_array().unwrap().iter().flat_map(|axis| axis["standard_errors"].as_object().unwrap());
+        assert_eq!(figures.len(), standard.filter(|(_, error)| !error.is_null()).count(), "{figures:?}");
+        figures
+    };
+    assert!(fitted(&found).contains(&"Y.velocity_gain_per_s".into()));
+    fitted(&timed);
     let settings = folder.read("found.toml");
     assert!(settings.contains("[axis.X.drive]") && settings.contains("[axis.Y.friction]"), "{settings}");
     folder.write("joined.toml", format!("{MACHINE}{settings}"));

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use trueaxis::temperature::{Readings, Thermal, ThermalState};
 use trueaxis_testing::command::Folder;
+use trueaxis_testing::covariance::{at, check};
 
 const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 
@@ -48,6 +49,17 @@ fn growth_is_found_compiled_and_read_by_the_task() {
     assert!(found["left_out"].as_array().unwrap().iter().any(|out| out["name"] == "T2"));
     let [drift, left] = [0, 1].map(|k| found["held_out_um"][k].as_f64().unwrap());
     assert!(drift > 15.0 && left < 0.3, "{left} of {drift} µm");
+    let names = check(&found["covariance"], |name| {
+        let (letter, (of, rest)) =
+            name.split_once('.').map(|(letter, rest)| (letter, rest.split_once('.').unwrap())).unwrap();
+        let (key, place) = rest.split_once('[').unwrap();
+        let of_axis = found["axes"].as_array().unwrap().iter().find(|own| own["axis"] == letter).unwrap();
+        let curve = of_axis["curves"].as_array().unwrap().iter().find(|own| own["of"] == of).unwrap();
+        let error = format!("{}_error{}[{place}", key.trim_end_matches("_um"), if key == "slope" { "" } else { "_um" });
+        [at(curve, rest), at(curve, &error)]
+    });
+    // X at two positions and Z; the ends of a straight curve are one unknown.
+    assert!(names.contains(&"X.T1.slope[0]".into()) && names.contains(&"Z.T1.offset_um[1]".into()), "{names:?}");
     let page = folder.read("out/thermal.html");
     assert!(page.contains("Thermal growth") && page.contains("took no part in the fit"));
     let text = folder.read("thermal.toml");

@@ -12,6 +12,7 @@ use trueaxis_tables::formats::machine_files;
 use trueaxis_tables::{Machine, Table, files::Memory};
 use trueaxis_testing::machine::{Machine as Settings, rows};
 use trueaxis_testing::noise::Noise;
+use trueaxis_testing::scatter::{Scatter, normal};
 
 const BOX: [[f64; 2]; 3] = [[-300.0, 300.0], [-200.0, 200.0], [-250.0, 150.0]];
 
@@ -259,4 +260,35 @@ fn terms_that_points_cannot_separate_are_refused_by_name() {
         }
     }
     refused(&dead, &default, "column actual_x_mm: found");
+}
+
+/// Over repeats with noise, the squarenesses scatter with the covariance of the document, whose diagonal is what it prints. Where
+/// a corner is missing they are correlated.
+#[test]
+fn squarenesses_scatter_with_their_covariance() {
+    let truth = machine("w X' Y' b Z t", 5, [0.0; 3]);
+    let mut clean = points(&record(&truth, 3, &[[0.0, 0.0, -60.0]], 0.0)).unwrap();
+    clean.points.retain(|point| {
+        let [x, y, z] = point.command_mm;
+        x / 300.0 + y / 200.0 + (z + 50.0) / 200.0 < 0.5
+    });
+    let (mut noise, mut scatter, mut names) = (Noise::new(4), Scatter::default(), Vec::new());
+    for _ in 0..400 {
+        let mut own = clean.clone();
+        for mm in own.points.iter_mut().flat_map(|point| &mut point.deviation_mm) {
+            *mm += 1e-3 * normal(&mut noise);
+        }
+        let found = identify(&own, &truth, &Options::default()).unwrap();
+        let document = PointsDocument::new(&own, &found);
+        let [a, b, c] = [document.squareness.a0z_urad, document.squareness.b0z_urad, document.squareness.c0y_urad];
+        for (k, of) in [a, b, c].into_iter().enumerate() {
+            assert_eq!(document.covariance.estimates[k], of.value);
+            assert!((document.covariance.matrix[k][k].sqrt() / of.standard_error - 1.0).abs() < 1e-12);
+        }
+        scatter.add(&document.covariance.estimates, &document.covariance.matrix);
+        names = document.covariance.names;
+    }
+    assert_eq!(names, ["A0Z", "B0Z", "C0Y"]);
+    let largest = scatter.check(&names, 0.0);
+    assert!(largest > 0.2, "nothing to compare: {largest}");
 }

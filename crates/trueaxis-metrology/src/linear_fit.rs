@@ -61,6 +61,14 @@ impl Solution {
         self.observed.column(one).dot(&self.observed.column(other))
     }
 
+    /// Returns the covariances of all unknowns with a combination of them, for rows of unit standard deviation; `combination`
+    /// has one share for each unknown. Cost: two products for each unknown.
+    pub fn covariance_with(&self, combination: &[f64]) -> Vec<f64> {
+        let count = self.observed.ncols();
+        let shares = DVector::from_fn(count, |j, _| combination.get(j).copied().unwrap_or(0.0));
+        self.observed.tr_mul(&(&self.observed * shares)).iter().copied().collect()
+    }
+
     /// Returns the number of rows − rank.
     pub fn degrees_of_freedom(&self) -> usize {
         self.rows.saturating_sub(self.rank)
@@ -201,6 +209,9 @@ mod tests {
         // Cov(intercept, slope) = −t̄/Σ(t − t̄)².
         assert!((found.covariance_factor(0, 1) + 0.3).abs() < 1e-14 && found.covariance_factor(0, 2) == 0.0);
         assert!((found.covariance_factor(0, 0) - 0.7).abs() < 1e-14);
+        // The line at t̄ has variance 1/4 and no covariance with the slope.
+        let middle = found.covariance_with(&[1.0, 1.5]);
+        assert!((middle[0] - 0.25).abs() < 1e-14 && middle[1].abs() < 1e-14);
     }
 
     /// Many blocks give the same result as one, and weights act like repetitions.

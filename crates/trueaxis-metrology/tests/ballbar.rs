@@ -6,6 +6,7 @@ use rand_chacha::rand_core::{RngCore, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use std::f64::consts::{E, PI, TAU};
 use trueaxis_metrology::ballbar::{BallbarRefusal, Cause, Evaluation, Position, Reading, evaluate, readings};
+use trueaxis_testing::scatter::Scatter;
 use trueaxis_testing::share::share;
 
 /// A machine's plane; lengths in mm, width of spikes in rad.
@@ -512,4 +513,80 @@ fn arcs_determine_the_causes_of_whole_circles() {
         assert!(off < if cause == Cause::ScaleMismatch { 2e-5 } else { 1e-3 }, "{cause:?} {off}");
     }
     assert!(found.figures.h.unwrap() < 0.03);
+}
+
+/// Over repeats with noise the causes scatter with their covariance: with spikes that are high, with small ones, whose width is
+/// uncertain, and with spikes within the noise.
+#[test]
+fn causes_scatter_with_their_covariance() {
+    let plane = Plane {
+        radius: 100.0,
+        scale: [3e-5, 0.0],
+        squareness: 40e-6,
+        lag: [0.002, 0.0],
+        backlash: [0.004, 0.003],
+        play: [0.001, 0.0],
+        bow: [0.002, 0.0],
+        width: 0.06,
+        ..Plane::default()
+    };
+    let normal = Normal::new(0.0, 3e-4).unwrap();
+    for (seed, height) in [(1, 6e-3), (2, 6e-4), (3, 2e-4)] {
+        let mut causes = vec![
+            Cause::Radius,
+            Cause::Centre(0),
+            Cause::ScaleMismatch,
+            Cause::Squareness,
+            Cause::ServoMismatch,
+            Cause::Backlash(0),
+            Cause::Backlash(1),
+            Cause::LateralPlay(0),
+            Cause::Straightness(0),
+        ];
+        if height > 1e-3 {
+            causes.extend([Cause::Reversal(0), Cause::Reversal(1)]);
+        }
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let (mut scatter, mut used) = (Scatter::default(), 0);
+        for _ in 0..200 {
+            let own = Plane { spike: [height; 2], ..plane };
+            let found =
+                evaluate(100.0, &own.record(90, &[true, false], || normal.sample(&mut random)), [None; 2]).unwrap();
+            let places: Vec<usize> =
+                causes.iter().map(|cause| found.terms.iter().position(|term| term.cause == *cause).unwrap()).collect();
+            // By chance the spikes seem to have another shape, whose height has no covariance.
+            if places.iter().any(|i| found.covariance[*i][*i] == 0.0) {
+                continue;
+            }
+            for &i in &places {
+                assert!((found.covariance[i][i].sqrt() / found.terms[i].standard_error - 1.0).abs() < 1e-9);
+            }
+            let values: Vec<f64> = places.iter().map(|i| found.terms[*i].value).collect();
+            let covariance: Vec<Vec<f64>> =
+                places.iter().map(|i| places.iter().map(|j| found.covariance[*i][*j]).collect()).collect();
+            scatter.add(&values, &covariance);
+            used += 1;
+        }
+        assert!(used > 150, "{used}");
+        let names: Vec<String> = causes.iter().map(|cause| format!("spikes of {height}: {cause:?}")).collect();
+        let largest = scatter.check(&names, 0.1);
+        assert!(largest > 0.5, "nothing to compare: {largest}");
+    }
+}
+
+/// The amplitude of a periodic error is found from two parts: its standard error is that of both, by first order.
+#[test]
+fn the_amplitude_of_a_periodic_error_scatters_with_its_standard_error() {
+    let plane = Plane { radius: 100.0, cyclic: [[0.002, 10.0], [0.0, 10.0]], width: 0.06, ..Plane::default() };
+    let normal = Normal::new(0.0, 3e-4).unwrap();
+    let (mut random, mut scatter) = (ChaCha8Rng::seed_from_u64(3), Scatter::default());
+    for _ in 0..200 {
+        let readings = plane.record(180, &[true, false], || normal.sample(&mut random));
+        let found = evaluate(100.0, &readings, [Some(10.0), None]).unwrap();
+        let place = found.terms.iter().position(|term| term.cause == Cause::Cyclic(0)).unwrap();
+        let term = &found.terms[place];
+        assert!((found.covariance[place][place].sqrt() / term.standard_error - 1.0).abs() < 1e-9);
+        scatter.add(&[term.value], &[vec![found.covariance[place][place]]]);
+    }
+    scatter.check(&["amplitude".into()], 0.0);
 }

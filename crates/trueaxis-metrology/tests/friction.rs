@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use std::sync::OnceLock;
 use trueaxis::Axis;
 use trueaxis::machine::{DriveFigures, FrictionSettings};
-use trueaxis_metrology::friction::{Figure, FrictionRefusal, Identified, Record, Recorded, circles, identify};
+use trueaxis_metrology::friction::{FIGURES, Figure, FrictionRefusal, Identified, Record, Recorded, circles, identify};
+use trueaxis_testing::{noise::Noise, scatter};
 
 const DRIVE: DriveFigures = DriveFigures {
     position_gain_per_s: 110.0,
@@ -313,4 +314,49 @@ fn time_stamps_have_to_be_even_and_in_seconds() {
     assert!(refused(&twice).starts_with("found 0.000000 s from sample 99"), "{}", refused(&twice));
     let milliseconds: Vec<f64> = stamps.iter().map(|t| 1e3 * t).collect();
     assert!(refused(&milliseconds).contains("needed 0.00001 to 0.002 s: t_s in seconds"));
+}
+
+/// Over repeats with noise the figures scatter with their covariance. The readings' own errors are the same in every repeat.
+#[test]
+fn figures_scatter_with_their_covariance() {
+    let many: [Circle; 4] = [(4.003, 25.0, 3.0), (4.003, -25.0, 3.0), (4.003, 10.0, 2.0), (4.003, -10.0, 2.0)];
+    let clean = record(&many, 1e-3, 0.05, &DRIVE, &FRICTION);
+    let (mut noise, mut scattered, mut used) = (Noise::new(6), [(); 2].map(|()| scatter::Scatter::default()), 0);
+    let is_shown = |i: &usize| FIGURES[*i] != "viscous" && *i < 5;
+    for _ in 0..24 {
+        let mut own = clean.clone();
+        for mm in own.axes.iter_mut().flat_map(|axis| &mut axis.reading) {
+            *mm += 1e-4 * scatter::normal(&mut noise);
+        }
+        let found = found(&own, Some(DRIVE)).unwrap();
+        for (scattered, found) in scattered.iter_mut().zip(&found) {
+            let figures = [
+                found.coulomb_per_s,
+                found.stribeck_share,
+                found.stribeck_velocity_per_s,
+                found.presliding,
+                found.viscous,
+            ];
+            for (i, figure) in figures.iter().enumerate() {
+                let variance = figure.standard_error.unwrap_or(0.0).powi(2);
+                assert!((found.covariance[i][i] - variance).abs() <= 1e-9 * variance, "{}", FIGURES[i]);
+            }
+            let places: Vec<usize> = (0..FIGURES.len()).filter(is_shown).collect();
+            if places.iter().any(|i| found.covariance[*i][*i] == 0.0) {
+                continue;
+            }
+            used += 1;
+            let values: Vec<f64> = places.iter().map(|i| figures[*i].value).collect();
+            let covariance: Vec<Vec<f64>> =
+                places.iter().map(|i| places.iter().map(|j| found.covariance[*i][*j]).collect()).collect();
+            scattered.add(&values, &covariance);
+        }
+    }
+    assert!(used > 40, "{used}");
+    let names = FIGURES.map(String::from);
+    let names: Vec<String> = (0..FIGURES.len()).filter(is_shown).map(|i| names[i].clone()).collect();
+    for scattered in scattered {
+        let largest = scattered.check(&names, 0.3);
+        assert!(largest > 0.5, "nothing to compare: {largest}");
+    }
 }

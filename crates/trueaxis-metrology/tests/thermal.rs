@@ -5,6 +5,7 @@ use trueaxis::Axis;
 use trueaxis::temperature::Thermal;
 use trueaxis_metrology::thermal::{Missing, RATE_K_PER_MIN, Record, Sample, Settings, ThermalRefusal, fit, held_out};
 use trueaxis_testing::noise::Noise;
+use trueaxis_testing::scatter::{Scatter, normal};
 
 /// True lags, s: spindle sensor, ambient, and the spindle's response.
 const LAGS: [f64; 3] = [900.0, 5400.0, 1500.0];
@@ -24,6 +25,11 @@ fn record(noise_um: f64) -> Record {
 
 /// A warm-up with this duty, of a spindle whose sensor is 14 K warm at `hot_rpm`.
 fn warm_up(duty: &[[u32; 6]], hot_rpm: f64, seed: u64, noise_um: f64) -> Record {
+    recorded_every(120, duty, hot_rpm, seed, noise_um)
+}
+
+/// The same warm-up with a row of every point each `every_s`.
+fn recorded_every(every_s: u32, duty: &[[u32; 6]], hot_rpm: f64, seed: u64, noise_um: f64) -> Record {
     let mut noise = Noise::new(seed);
     let mut samples = Vec::new();
     let (mut t, mut nose, mut lagged, mut response) = (0.0_f64, 20.0, [20.0, 20.0], 0.0);
@@ -33,7 +39,7 @@ fn warm_up(duty: &[[u32; 6]], hot_rpm: f64, seed: u64, noise_um: f64) -> Record 
     for (cycle, duty) in (1..).zip(duty) {
         for second in 0..14_400_u32 {
             // Speeds change midway between two rows: the fit treats what happens between rows as linear.
-            let rpm = 1e3 * f64::from(duty[((second + 60) / 2400 % 6) as usize]);
+            let rpm = 1e3 * f64::from(duty[((second + every_s / 2) / 2400 % 6) as usize]);
             // A heater besides the speed, so that the two differ.
             let heat = 14.0 * (rpm / hot_rpm).powi(2) + 4.0 * (since(t) / 2_900.0).sin();
             nose += (air(t) + heat - nose) / 700.0;
@@ -41,7 +47,7 @@ fn warm_up(duty: &[[u32; 6]], hot_rpm: f64, seed: u64, noise_um: f64) -> Record 
             lagged[1] += (air(t) - lagged[1]) / LAGS[1];
             response += (rpm / 6000.0 - response) / LAGS[2];
             t += 1.0;
-            if second % 120 != 119 {
+            if second % every_s != every_s - 1 {
                 continue;
             }
             for (x, tool) in [(0.0, 40.0), (400.0, 40.0), (0.0, 240.0)] {
@@ -284,4 +290,50 @@ fn uninformative_records_are_refused() {
     assert!(matches!(gap, ThermalRefusal::Gap { index: 40, .. }));
     let mixed = refused(|record| record.samples[300].cycle = 1);
     assert!(matches!(mixed, ThermalRefusal::Mixed { index: 300, cycle: 1 }));
+}
+
+/// Over repeats with noise the values of the curves scatter with their covariance, across curves and axes.
+#[test]
+fn curves_scatter_with_their_covariance() {
+    let mut clean = recorded_every(300, &DUTY, 6000.0, 7, 0.0);
+    clean.sensors.pop();
+    clean.samples.iter_mut().for_each(|sample| sample.temperatures_c.truncate(2));
+    // Axis, curve, knot from the end, part.
+    let places = [(0, 1, 0, 1), (1, 2, 1, 1), (1, 2, 0, 1), (2, 0, 0, 0), (2, 2, 1, 0), (2, 2, 0, 0)];
+    let names = ["X air", "Y spindle 1", "Y spindle 2", "Z nose", "Z spindle 1", "Z spindle 2"].map(String::from);
+    let (mut noise, mut scatter, mut used) = (Noise::new(9), Scatter::default(), 0);
+    for _ in 0..150 {
+        let mut own = clean.clone();
+        for mm in own.samples.iter_mut().flat_map(|sample| &mut sample.error_mm) {
+            *mm += 1e-3 * normal(&mut noise);
+        }
+        let found = fit(&own, &settings(), &mut |_| ()).unwrap();
+        let (mut all, mut first) = (Vec::new(), Vec::new());
+        for axis in &found.axes {
+            for curve in axis.sensors.iter().chain([&axis.spindle]) {
+                first.push((all.len(), curve.len()));
+                all.extend(curve.iter().flat_map(|at| at.value.into_iter().zip(at.standard_error)));
+            }
+        }
+        assert_eq!(all.len(), found.covariance.len());
+        for (i, (_, error)) in all.iter().enumerate() {
+            assert!((found.covariance[i][i].max(0.0).sqrt() - error).abs() <= 1e-6 * error, "{i}");
+        }
+        // Bends differ from repeat to repeat, and with them what the curves depend on.
+        let straight = found.axes[2].sensors.iter().all(|curve| curve.len() == 2);
+        if found.sensors != [0, 1] || found.axes[2].spindle.len() != 3 || !straight {
+            continue;
+        }
+        used += 1;
+        let at = places.map(|(axis, curve, back, part)| {
+            let (from, knots) = first[3 * axis + curve];
+            from + 2 * (knots - 1 - back) + part
+        });
+        let covariance: Vec<Vec<f64>> =
+            at.iter().map(|i| at.iter().map(|j| found.covariance[*i][*j]).collect()).collect();
+        scatter.add(&at.map(|i| all[i].0), &covariance);
+    }
+    assert!(used > 100, "{used}");
+    let largest = scatter.check(&names, 0.1);
+    assert!(largest > 0.5, "nothing to compare: {largest}");
 }

@@ -67,6 +67,16 @@ fn decided_with<'py, const C: usize, D: Serialize + Send>(
     result(kind, found, Some(shown))
 }
 
+fn in_um(left_mm: &[[f64; 3]]) -> Vec<f64> {
+    left_mm.iter().flatten().map(|mm| 1e3 * mm).collect()
+}
+
+/// Adds residuals along X, Y, Z, one row a reading, if there are any.
+fn with_residuals(document: &Bound<'_, PyDict>, left_um: Option<&Vec<f64>>) -> PyResult<()> {
+    let Some(all) = left_um else { return Ok(()) };
+    document.set_item("residuals_um", PyArray1::from_slice(document.py(), all).reshape([all.len() / 3, 3])?)
+}
+
 /// Reports an option that is out of its range by the name of the argument.
 fn asked<T, E: std::fmt::Display>(checked: Result<T, E>) -> PyResult<T> {
     checked.map_err(|wrong| Error::new_err(wrong.to_string()))
@@ -345,15 +355,13 @@ pub(crate) fn evaluate_r_test<'py>(
     let evaluate = |rows: &mut Rows<'_, { r_test::COLUMNS.len() }>, name: &str| {
         let record = r_test::Record::read(rows)?;
         let found = r_test::identify(&record, name, &machine, &options)?;
-        let _ = left.set(found.left_mm.iter().flatten().map(|mm| 1e3 * mm).collect::<Vec<f64>>());
+        let _ = left.set(in_um(&found.left_mm));
         let document = r_test::RTestDocument::new(&record, &found, &machine);
         let shown = document.shown(&record, &found);
         Ok((document, shown, found.additions()))
     };
     decided_with(py, "RTest", record, &r_test::COLUMNS, Some(own), evaluate, |document| {
-        let Some(all) = left.get().filter(|_| residuals).cloned() else { return Ok(()) };
-        let rows = all.len() / 3;
-        document.set_item("residuals_um", PyArray1::from_vec(py, all).reshape([rows, 3])?)
+        with_residuals(document, left.get().filter(|_| residuals))
     })
 }
 
@@ -370,6 +378,8 @@ pub(crate) fn evaluate_r_test<'py>(
 ///     Numbers of evenly spaced nodes in the tables of X, Y, Z; by default, the levels of the points, else 11.
 /// without : sequence of str, optional
 ///     Angular errors to leave at zero, such as "EBX".
+/// residuals : bool, default False
+///     True adds the residual of every point along X, Y, Z under `residuals_um`, (n, 3).
 ///
 /// Returns
 /// -------
@@ -381,24 +391,30 @@ pub(crate) fn evaluate_r_test<'py>(
 /// trueaxis.Error
 ///     If an argument or a record is refused: what was found, and what is needed.
 #[pyfunction]
-#[pyo3(signature = (record, *, machine, nodes = None, without = Vec::new()))]
+#[pyo3(signature = (record, *, machine, nodes = None, without = Vec::new(), residuals = false))]
 pub(crate) fn evaluate_points<'py>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
     machine: &Bound<'py, Machine>,
     nodes: Option<Vec<usize>>,
     without: Vec<String>,
+    residuals: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
     let nodes = nodes.as_deref().map(coordinates::nodes).transpose();
     let nodes = asked(nodes.map_err(|wrong| format!("nodes: {wrong}")))?;
     let machine = &machine.get().machine;
     let options = coordinates::Options { nodes, without };
-    evaluated(py, "MeasuredPoints", record, &coordinates::COLUMNS, |rows, name| {
+    let left = OnceLock::new();
+    let evaluate = |rows: &mut Rows<'_, { coordinates::COLUMNS.len() }>, name: &str| {
         let points = coordinates::Points::read(rows)?;
         let found =
             coordinates::identify(&points, machine, &options).map_err(|error| error.context(name.to_owned()))?;
+        let _ = left.set(in_um(&found.left_mm));
         let document = coordinates::PointsDocument::new(&points, &found);
         let shown = document.shown(&points, &found);
-        Ok((document, shown))
+        Ok((document, shown, Additions::default()))
+    };
+    decided_with(py, "MeasuredPoints", record, &coordinates::COLUMNS, None, evaluate, |document| {
+        with_residuals(document, left.get().filter(|_| residuals))
     })
 }

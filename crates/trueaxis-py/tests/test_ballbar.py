@@ -50,6 +50,19 @@ def test_a_test_is_that_of_the_command(tmp_path):
     assert np.mean(np.abs(left) > 0.3) < 0.1
 
 
+def test_causes_have_a_covariance():
+    """Their covariance has the standard errors that are printed."""
+    found = trueaxis.ballbar(record(), radius_mm=RADIUS, pitch_x_mm=10.0, pitch_y_mm=10.0)
+    numbers, errors = found.to_ufloats(), found.standard_errors
+    assert numbers["backlash_um.x"].nominal_value == found.backlash_um.x
+    assert numbers["backlash_um.x"].std_dev == pytest.approx(errors["backlash_um"]["x"])
+    assert numbers["centre_um[1]"].std_dev == pytest.approx(errors["centre_um"][1])
+    assert np.linalg.eigvalsh(found.correlation).min() > -1e-9
+    names = found.covariance.names
+    # A bow of an axis is mistaken for an offset of the centre across it.
+    assert abs(found.correlation[names.index("straightness_um.x"), names.index("centre_um[1]")]) > 0.3
+
+
 def test_positions_in_another_plane_are_those_of_the_command(tmp_path):
     """Positions in Z and X that differ from the command by a squareness only, with an approach before the circle."""
     t = np.concatenate([np.radians(np.arange(0, 720, 0.25)), np.radians(np.arange(720, 0, -0.25))])

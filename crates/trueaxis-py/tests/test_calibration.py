@@ -120,6 +120,11 @@ def test_a_thermal_fit_is_that_of_the_command(tmp_path):
     assert found == json.loads(out)
     drift, left = found["held_out_um"]
     assert drift > 15 and left < 0.3
+    numbers = found.to_ufloats()
+    [curve] = [curve for axis in found.axes if axis.axis == "X" for curve in axis.curves if curve.of == "T1"]
+    for k, (value, error) in enumerate(zip(curve.slope, curve.slope_error)):
+        number = numbers[f"X.T1.slope[{k}]"]
+        assert number.nominal_value == value and number.std_dev == pytest.approx(error)
     text = trueaxis.thermal_fit(file, machine=mill, hold_out=[2], without=["T2"], toml=True).toml
     assert text == toml.read_text()
     assert refused(lambda: trueaxis.thermal_fit(record, rate_k_per_min=0.0)) == "rate_k_per_min: found 0, needed 0.1 to 1000"

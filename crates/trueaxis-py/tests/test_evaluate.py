@@ -65,6 +65,11 @@ def test_points_of_a_mill(tmp_path):
     call = lambda record: trueaxis.evaluate_points(record, machine=mill, without=["EAZ"])
     found = same_as_command(tmp_path, "points", record, call, "--machine", TABLES / "mill-3axis", "--without", "EAZ")
     assert found["before"]["max_um"] > 10 > 20 * found["left"]["rms_um"]
+    noisy = record | {name: record[name] + NOISE.normal(0, 1e-3, len(at)) for name in ("actual_x_mm", "actual_y_mm", "actual_z_mm")}
+    fitted = trueaxis.evaluate_points(noisy, machine=mill, without=["EAZ"], residuals=True)
+    errors = [fitted.squareness.a0z_urad["standard_error"], fitted.squareness.b0z_urad["standard_error"], fitted.squareness.c0y_urad["standard_error"]]
+    assert [number.std_dev for number in fitted.to_ufloats().values()] == pytest.approx(errors) and fitted.correlation.shape == (3, 3)
+    assert np.sqrt(np.mean(np.sum(fitted.residuals_um**2, axis=1))) == pytest.approx(fitted.left.rms_um)
     assert refused(lambda: trueaxis.evaluate_points(record, machine=mill, nodes=[1, 5, 5])).startswith("nodes: found [1, 5, 5]")
 
 

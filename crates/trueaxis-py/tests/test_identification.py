@@ -46,6 +46,25 @@ def test_errors_are_those_of_identify(tmp_path):
     assert found["table"] == (tmp_path / "c.csv").read_text()
 
 
+def test_an_angle_has_the_covariance_of_its_equations():
+    """Against σ² (AᵀA)⁻¹ with the rows of e + w × p, written here."""
+    found = trueaxis.identify(readings(0.05)[0], axis="C")
+    for angle in found.angles[:4]:
+        t, rows = math.radians(angle.angle_deg), []
+        for low, side in BALLS:
+            x, y, z = -side * math.sin(t), side * math.cos(t), -low
+            rows += [[1, 0, 0, 0, 1e-3 * z, -1e-3 * y], [0, 1, 0, -1e-3 * z, 0, 1e-3 * x], [0, 0, 1, 1e-3 * y, -1e-3 * x, 0]]
+        needed = found.sigma_um**2 * np.linalg.inv(np.transpose(rows) @ rows)
+        errors = np.sqrt(np.diag(needed))
+        assert np.allclose(np.array(angle.covariance.matrix), needed, rtol=0, atol=1e-9 * np.outer(errors, errors))
+        assert np.allclose(angle.correlation, needed / np.outer(errors, errors))
+        numbers = angle.to_ufloats()
+        assert [number.std_dev for number in numbers.values()] == pytest.approx([angle.standard_errors[name] for name in numbers])
+        assert numbers["exc_um"].nominal_value == angle.exc_um
+    with pytest.raises(ValueError, match="an angle of identify"):
+        found.to_ufloats()
+
+
 def test_linear_axes_of_a_machine_are_removed(tmp_path):
     rows, _ = readings(0.0)
     file = written(tmp_path / "ball.csv", HEADER, rows)
@@ -138,6 +157,14 @@ def test_friction_is_that_of_the_command(tmp_path, record):
     assert code == 0, err
     assert decided == json.loads(out)["written"]
     assert all(of["written"] and of["why"] == "nothing is stated" for of in decided if "coulomb" in of["key"])
+    fitted = trueaxis.friction(record, axes="X,Y", machine=machine)
+    numbers = fitted.to_ufloats()
+    for axis in fitted.axes:
+        coulomb = numbers[f"{axis.axis}.coulomb_mm_per_s"]
+        assert coulomb.nominal_value == axis.friction.coulomb_mm_per_s
+        assert coulomb.std_dev == pytest.approx(axis.standard_errors.coulomb_mm_per_s)
+    half = len(fitted.covariance.names) // 2
+    assert np.abs(fitted.correlation[:half, :half] - np.eye(half)).max() > 0.5 and not fitted.correlation[half:, :half].any()
     for axis in found["axes"]:
         assert axis["friction"]["coulomb_mm_per_s"] == pytest.approx(COULOMB, rel=0.03)
         assert axis["friction"]["presliding_um"] == pytest.approx(1e3 * PRESLIDING, rel=0.03)

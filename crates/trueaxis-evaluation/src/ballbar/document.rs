@@ -1,7 +1,7 @@
 //! The results of a circular test, as a document.
 
 use super::Test;
-use crate::uncertainty::expanded;
+use crate::uncertainty::{CovarianceDocument, Estimate, expanded};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -90,6 +90,9 @@ pub struct BallbarDocument {
     pub standard_errors: Map<String, Value>,
     /// Half-widths of 95 % intervals: standard errors times Student's factor.
     pub expanded_uncertainties: Map<String, Value>,
+    /// Covariance of the values that have a standard error, by names as `backlash_um.x` and `centre_um[0]`; its diagonal are the
+    /// squares of these. It is conditional on the pitches; spikes of a shape other than the fit's own are not in it.
+    pub covariance: CovarianceDocument,
     /// Causes other than radius and centre, largest first.
     pub shares: Vec<Share>,
     /// Standard deviation of a reading, from the residuals.
@@ -196,12 +199,40 @@ impl Test {
             pitch_mm: Pair::from([0, 1].map(|i| (letters[i], found.pitches_mm[i]))),
             expanded_uncertainties: expanded(&standard_errors, found.degrees_of_freedom as f64),
             standard_errors,
+            covariance: self.covariance(),
             shares: self.shares(),
             sigma_um: 1e3 * found.sigma_mm,
             degrees_of_freedom: found.degrees_of_freedom,
             condition: found.condition,
             warnings: self.warnings(),
         }
+    }
+
+    fn covariance(&self) -> CovarianceDocument {
+        let letter = |axis: u8| self.options.axes[usize::from(axis != 0)].letter().to_ascii_lowercase();
+        let (_, sense) = squareness(self.options.axes);
+        let estimates = self.found.terms.iter().map(|term| {
+            let name = match term.cause {
+                Cause::Radius => "radius_deviation_um".into(),
+                Cause::Centre(axis) => format!("centre_um[{axis}]"),
+                Cause::ScaleMismatch => "scale_mismatch_ppm".into(),
+                Cause::Squareness => "squareness_urad".into(),
+                Cause::ServoMismatch => "servo_mismatch_um".into(),
+                Cause::Backlash(axis) => format!("backlash_um.{}", letter(axis)),
+                Cause::LateralPlay(axis) => format!("lateral_play_um.{}", letter(axis)),
+                Cause::Straightness(axis) => format!("straightness_um.{}", letter(axis)),
+                Cause::Reversal(axis) => format!("reversal_um.{}", letter(axis)),
+                Cause::Cyclic(axis) => format!("cyclic_um.{}", letter(axis)),
+                _ => name(term.cause, self.options.axes),
+            };
+            let (unit, sense) = match term.cause {
+                Cause::Squareness => ("urad", sense),
+                Cause::ScaleMismatch => ("ppm", 1.0),
+                _ => ("um", 1.0),
+            };
+            Estimate { name, unit, factor: sense * micro(term.cause, 1.0), value: term.value }
+        });
+        CovarianceDocument::of_fitted(estimates.collect(), |i, j| self.found.covariance[i][j])
     }
 
     /// Warnings about the result, a sentence each.

@@ -4,7 +4,7 @@ use super::artefact::Kind;
 use super::solve::Calibration;
 use super::task::Task;
 use super::terms::Term;
-use crate::uncertainty::CovarianceDocument;
+use crate::uncertainty::{CovarianceDocument, Estimate};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use trueaxis::machine::Axis;
@@ -155,11 +155,11 @@ impl Calibration {
     }
 
     fn covariance(&self) -> CovarianceDocument {
-        let of = |term: &Term| {
+        let of = |(term, value): (&Term, &f64)| {
             let (unit, factor) = term.unit();
-            (term.name(), unit, factor)
+            Estimate { name: term.name(), unit, factor, value: *value }
         };
-        let terms = self.observed.terms.terms.iter().map(of).collect();
+        let terms = self.observed.terms.terms.iter().zip(&self.solution.values).map(of).collect();
         CovarianceDocument::of(terms, |i, j| self.solution.covariance[i][j])
     }
 

@@ -1,8 +1,8 @@
 //! The result as a document.
 
-use crate::uncertainty::band_factor;
+use crate::uncertainty::{CovarianceDocument, Estimate, band_factor};
 use serde::Serialize;
-use trueaxis_metrology::friction::{Figure, Identified, NoResonance, Record, Resonance, Size};
+use trueaxis_metrology::friction::{FIGURES, Figure, Identified, NoResonance, Record, Resonance, Size};
 use trueaxis_report::number::significant;
 
 /// Friction and drives of a record.
@@ -14,6 +14,10 @@ pub struct FrictionDocument {
     pub period_s: f64,
     /// Both axes, in the requested order.
     pub axes: Vec<AxisFound>,
+    /// Covariance of the figures fitted, by names as `X.coulomb_mm_per_s`; its diagonal are the squares of their standard errors.
+    /// It is conditional on the figures that were fixed or stated; the axes are fitted separately, so that figures of one have
+    /// none with those of the other. Figures of the resonance come from a second fit, and are not in it.
+    pub covariance: CovarianceDocument,
     /// Figures that the record does not determine, and the values at which they are fixed.
     pub warnings: Vec<String>,
 }
@@ -290,6 +294,50 @@ pub(super) fn axis(found: &Identified) -> AxisFound {
     }
 }
 
+/// Key, unit and factor of the figures in the order of [`FIGURES`].
+const KEYS: [(&str, &str, f64); FIGURES.len()] = [
+    ("coulomb_mm_per_s", "mm/s", 1.0),
+    ("stribeck_share", "", 1.0),
+    ("stribeck_velocity_mm_per_s", "mm/s", 1.0),
+    ("presliding_um", "um", 1e3),
+    ("viscous", "", 1.0),
+    ("position_gain_per_s", "1/s", 1.0),
+    ("velocity_gain_per_s", "1/s", 1.0),
+    ("reset_time_s", "s", 1.0),
+    ("velocity_feed_forward", "", 1.0),
+    ("dead_time_s", "s", 1.0),
+];
+
+fn covariance(found: &[Identified]) -> CovarianceDocument {
+    let estimates = found.iter().flat_map(|own| {
+        let (f, d) = (&own.friction, &own.drive);
+        let values = [
+            f.coulomb_per_s,
+            f.stribeck_share,
+            f.stribeck_velocity_per_s,
+            f.presliding,
+            f.viscous,
+            d.position_gain_per_s,
+            d.velocity_gain_per_s,
+            d.reset_time_s,
+            d.velocity_feed_forward,
+            d.dead_time_s,
+        ];
+        let letter = own.axis.letter();
+        let estimate =
+            move |((key, unit, factor), value)| Estimate { name: format!("{letter}.{key}"), unit, factor, value };
+        KEYS.into_iter().zip(values).map(estimate)
+    });
+    // The reading's lag is a figure of the drive only if the drive was fitted.
+    let is_shown = |figure: usize, own: &Identified| figure + 1 < FIGURES.len() || own.drive_errors.is_some();
+    let entry = |i: usize, j: usize| {
+        let (own, [one, other]) = (&found[i / FIGURES.len()], [i, j].map(|figure| figure % FIGURES.len()));
+        let is_apart = i / FIGURES.len() != j / FIGURES.len();
+        if is_apart || !is_shown(one, own) || !is_shown(other, own) { 0.0 } else { own.covariance[one][other] }
+    };
+    CovarianceDocument::of_fitted(estimates.collect(), entry)
+}
+
 /// Notes on the resonance's figures.
 fn resonance_note(own: &AxisFound) -> Option<String> {
     let letter = &own.axis;
@@ -331,6 +379,12 @@ impl FrictionDocument {
             }
         }
         warnings.extend(axes.iter().filter_map(resonance_note));
-        FrictionDocument { samples: record.axes[0].command.len(), period_s: record.period_s, axes, warnings }
+        FrictionDocument {
+            samples: record.axes[0].command.len(),
+            period_s: record.period_s,
+            axes,
+            covariance: covariance(found),
+            warnings,
+        }
     }
 }

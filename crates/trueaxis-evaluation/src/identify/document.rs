@@ -1,12 +1,12 @@
 //! The identified errors, as a document.
 
 use super::Readings;
-use crate::uncertainty::{band_factor, expanded};
+use crate::uncertainty::{CovarianceDocument, Estimate, band_factor, expanded};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use trueaxis::Axis;
 use trueaxis::machine::Twist;
-use trueaxis_metrology::identification::{Identified, Location};
+use trueaxis_metrology::identification::{Identified, IdentifiedAngle, Location};
 
 /// The JSON document.
 #[derive(Clone, Debug, Serialize)]
@@ -60,6 +60,9 @@ pub struct Angle {
     pub rank: u8,
     standard_errors: Map<String, Value>,
     expanded_uncertainties: Map<String, Value>,
+    /// Covariance of the errors at this angle; its diagonal are the squares of their standard errors. Errors of different angles
+    /// are independent if the offsets are known; free offsets correlate them too, which it does not show.
+    pub covariance: CovarianceDocument,
     /// The errors, µm and µrad.
     #[serde(skip)]
     pub values: [f64; 6],
@@ -86,6 +89,14 @@ fn named(axis: Axis, values: [f64; 6]) -> Map<String, Value> {
     names(axis).iter().zip(values).map(|(name, value)| (name.to_lowercase(), Value::from(value))).collect()
 }
 
+fn covariance(axis: Axis, angle: &IdentifiedAngle) -> CovarianceDocument {
+    let estimates = Axis::ALL.into_iter().zip(names(axis)).zip(angle.errors).map(|((moved, name), value)| {
+        let (unit, factor) = if moved.is_rotary() { ("urad", 1e6) } else { ("um", 1e3) };
+        Estimate { name: name.to_lowercase(), unit, factor, value }
+    });
+    CovarianceDocument::of(estimates.collect(), |i, j| angle.covariance[i][j])
+}
+
 impl IdentificationDocument {
     pub(super) fn new(readings: &Readings, found: &Identified, warnings: Vec<String>) -> IdentificationDocument {
         let count = found.angles.len().max(1) as f64;
@@ -109,6 +120,7 @@ impl IdentificationDocument {
                 rank: angle.rank,
                 standard_errors: named(found.axis, deviations),
                 expanded_uncertainties: named(found.axis, deviations.map(|error| factor * error)),
+                covariance: covariance(found.axis, angle),
                 values,
                 deviations,
             }

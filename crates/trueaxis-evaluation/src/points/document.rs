@@ -2,6 +2,7 @@
 
 use super::{Points, PointsFit};
 use crate::diagonal::Value;
+use crate::uncertainty::{CovarianceDocument, Estimate};
 use serde::Serialize;
 use trueaxis_metrology::volumetric::{AXES, COMPONENTS, SMOOTHING};
 use trueaxis_report::number::significant;
@@ -57,6 +58,9 @@ pub struct PointsDocument {
     pub functions: Vec<Function>,
     /// Squareness.
     pub squareness: Squareness,
+    /// Covariance of the squarenesses; its diagonal are the squares of their standard errors. The errors of the axes have too
+    /// many nodes for a matrix.
+    pub covariance: CovarianceDocument,
     /// Angular errors that the points do not determine, left at zero.
     pub unseen: Vec<String>,
     /// Deviation of the points, without the instrument's placement.
@@ -135,6 +139,10 @@ impl PointsDocument {
             standard_error: 1e6 * errors.squareness_errors[k],
             degrees_of_freedom: errors.degrees_of_freedom as f64,
         };
+        let estimates = ["A0Z", "B0Z", "C0Y"].into_iter().zip(errors.squareness);
+        let estimates =
+            estimates.map(|(name, value)| Estimate { name: name.into(), unit: "urad", factor: 1e6, value }).collect();
+        let covariance = CovarianceDocument::of(estimates, |i, j| errors.squareness_covariance[i][j]);
         let mean = (points.points.iter().map(|point| point.sigma_mm.powi(2)).sum::<f64>()
             / points.points.len().max(1) as f64)
             .sqrt();
@@ -145,6 +153,7 @@ impl PointsDocument {
             nodes: [0, 1, 2].map(|axis| found.basis.nodes_mm[axis].len()),
             functions,
             squareness: Squareness { a0z_urad: value(0), b0z_urad: value(1), c0y_urad: value(2) },
+            covariance,
             unseen: found.unseen.clone(),
             before: left(lines().zip(found.deviations_mm.iter().copied())),
             left: left(lines().zip(found.left_mm.iter().copied())),

@@ -1,7 +1,7 @@
 //! Errors identified from an R-test, as a document.
 
 use super::{RTestFit, Record, name};
-use crate::uncertainty::CovarianceDocument;
+use crate::uncertainty::{CovarianceDocument, Estimate};
 use serde::Serialize;
 use trueaxis_tables::Machine;
 
@@ -75,11 +75,11 @@ impl RTestDocument {
                 before: scale * before,
             }
         });
-        let named = found.terms.iter().map(|(error, _, _)| {
-            let (unit, scale) = scaled(error.1);
-            (name(*error), unit, scale)
+        let estimates = found.terms.iter().map(|&(error, value, _)| {
+            let (unit, factor) = scaled(error.1);
+            Estimate { name: name(error), unit, factor, value }
         });
-        let covariance = CovarianceDocument::of(named.collect(), |i, j| found.covariance[i][j]);
+        let covariance = CovarianceDocument::of(estimates.collect(), |i, j| found.covariance[i][j]);
         let along = |c: usize| record.readings.iter().map(move |reading| 1e3 * reading.displacement_mm[c]);
         let range_um = [0, 1, 2].map(|c| along(c).fold(f64::MIN, f64::max) - along(c).fold(f64::MAX, f64::min));
         let mean = [0, 1, 2].map(|c| along(c).sum::<f64>() / record.readings.len().max(1) as f64);

@@ -1,6 +1,7 @@
 //! The document of a fit.
 
 use super::FittedRecording;
+use crate::uncertainty::{CovarianceDocument, Estimate};
 use serde::Serialize;
 use std::fmt;
 use trueaxis_metrology::thermal::Coefficient;
@@ -18,6 +19,9 @@ pub struct ThermalDocument {
     pub spindle_lag_s: Option<f64>,
     /// Curves of each axis.
     pub axes: Vec<AxisDocument>,
+    /// Covariance of the curves of all axes, by names as `Z.nose.offset_um[0]`; its diagonal are the squares of their standard
+    /// errors. Values without one are not in it. It is conditional on the sensors and bends chosen, and includes the lags.
+    pub covariance: CovarianceDocument,
     /// Sensors that are not part of the model.
     pub left_out: Vec<LeftOutDocument>,
     /// Speeds that occur in only one fitted cycle.
@@ -194,6 +198,7 @@ impl FittedRecording {
                 .collect(),
             spindle_lag_s: model.spindle.as_ref().map(|spindle| spindle.lag_s),
             axes: axes.collect(),
+            covariance: self.covariance(),
             left_out: left_out.collect(),
             unconfirmed: self.fit.unconfirmed.iter().map(|&(rpm, cycle)| UnconfirmedDocument { rpm, cycle }).collect(),
             missing: self.fit.missing.iter().map(|own| self.recording.missing(own)).collect(),
@@ -201,5 +206,23 @@ impl FittedRecording {
             held_out_um: [most(|own| own.drift_um), most(|own| own.left_um)],
             cycles,
         }
+    }
+
+    fn covariance(&self) -> CovarianceDocument {
+        let model = &self.fit.model;
+        let names = || model.sensors.iter().map(|sensor| (sensor.name.as_str(), "um/m")).chain([("spindle", "urad")]);
+        let mut estimates = Vec::new();
+        for of in &self.fit.axes {
+            for ((name, slope), knots) in names().zip(of.sensors.iter().chain([&of.spindle])) {
+                for (k, at) in knots.iter().enumerate() {
+                    let parts = [("offset_um", "um", 1e3), ("slope", slope, 1e6)].into_iter().zip(at.value);
+                    estimates.extend(parts.map(|((key, unit, factor), value)| {
+                        let name = format!("{}.{name}.{key}[{k}]", of.axis.letter());
+                        Estimate { name, unit, factor, value }
+                    }));
+                }
+            }
+        }
+        CovarianceDocument::of_fitted(estimates, |i, j| self.fit.covariance[i][j])
     }
 }

@@ -27,7 +27,7 @@ mod shown;
 mod terms;
 
 pub use bands::{band_factor, expanded};
-pub use covariance::CovarianceDocument;
+pub use covariance::{CovarianceDocument, Estimate};
 pub use document::{AtPoint, Share, Spread, UncertaintyDocument};
 pub use options::Options;
 pub use terms::{per_length, reading};

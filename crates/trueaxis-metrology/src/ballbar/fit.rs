@@ -85,7 +85,7 @@ pub fn evaluate(
         clear = anew;
         solved = fit.search(&clear, pitches_mm);
     }
-    let mut terms = solved.terms();
+    let (mut terms, covariance) = solved.terms();
     for term in &mut terms {
         if let Cause::Centre(axis) = term.cause {
             term.value += centre[usize::from(axis)];
@@ -106,6 +106,7 @@ pub fn evaluate(
         figures: figures(radius_mm, readings, whole),
         centred: centred.iter().map(|reading| [reading.deviation_mm, fit.left(&solved, reading)]).collect(),
         terms,
+        covariance,
     })
 }
 
@@ -169,8 +170,8 @@ struct Shape {
 struct Solved {
     columns: Vec<Cause>,
     values: DVector<f64>,
-    /// Variance of each value.
-    variances: Vec<f64>,
+    /// Covariance of the values.
+    covariance: DMatrix<f64>,
     /// Root mean square of each column.
     rms: Vec<f64>,
     left: Vec<f64>,
@@ -306,7 +307,7 @@ impl Fit {
         self.unresolved = found == narrow && narrow > WIDTHS[0];
         let likely = |left: f64| likelihood(left / best.max(f64::MIN_POSITIVE), solved.degrees_of_freedom) > UNLIKELY;
         let widths = tried.into_iter().zip(lefts).filter(|(_, left)| likely(*left)).map(|(width, _)| width);
-        solved.variances = self.variances(readings, &solved, widths.collect());
+        solved.covariance = self.covariance(readings, &solved, widths.collect());
         solved.tried = tried.to_vec();
         solved
     }
@@ -347,11 +348,10 @@ impl Fit {
         let own = all.iter().filter(|(_, fit)| !fit.is_free).map(|(_, fit)| weight(fit)).sum::<f64>() / sum;
         let mean =
             all.iter().fold(DVector::zeros(from.len()), |mean, (_, fit)| mean + &fit.values * (weight(fit) / sum));
-        let variances = (0..from.len()).map(|column| {
-            let one = |fit: &Shaped| weight(fit) * (fit.variance(column) + (fit.values[column] - mean[column]).powi(2));
-            all.iter().map(|(_, fit)| one(fit)).sum::<f64>() / sum
+        let covariance = all.iter().fold(DMatrix::zeros(from.len(), from.len()), |covariance, (_, fit)| {
+            let apart = &fit.values - &mean;
+            covariance + (fit.covariance() + &apart * apart.transpose()) * (weight(fit) / sum)
         });
-        let variances: Vec<f64> = variances.collect();
         let (width, mut best) = all.into_iter().max_by(|(_, a), (_, b)| a.likelihood.total_cmp(&b.likelihood))?;
         self.width = Some(width);
         let spike = |since: f64| since / width * E * (-since / width).exp();
@@ -373,7 +373,7 @@ impl Fit {
         }
         best.values += &from;
         let refitted = self.solve(readings);
-        let mut shaped = Solved { values: mean + from, variances, sigma: best.sigma, ..refitted };
+        let mut shaped = Solved { values: mean + from, covariance, sigma: best.sigma, ..refitted };
         shaped.shape = Some(Shape { best, spikes: spikes.map(|(_, height)| height), own });
         shaped.left = readings.iter().map(|reading| self.left(&shaped, reading)).collect();
         Some(shaped)
@@ -385,30 +385,29 @@ impl Fit {
         sum_of_squares(&self.solve(readings).left)
     }
 
-    /// Variances of the values of `best` when the spike width is searched, not known: over all widths, each weighted with the
+    /// Covariance of the values of `best` when the spike width is searched, not known: over all widths, each weighted with the
     /// likelihood of its residual, uniform in the logarithm.
     ///
     /// ```text
-    /// u² = Σ p_w [s_w² + (x_w − x)²],   p_w ∝ S_w^(−ν/2)
+    /// U = Σ p_w [U_w + (x_w − x)(x_w − x)ᵀ],   p_w ∝ S_w^(−ν/2)
     /// ```
     ///
-    /// S_w: residual sum of squares with width w, ν: degrees of freedom. If spikes are high, p is 1 at their width. Source:
+    /// U_w: covariance and S_w: residual sum of squares with width w, ν: degrees of freedom. If spikes are high, p is 1 at their width. Source:
     /// JCGM 101:2008, 6 (propagation of distributions), for the nuisance parameter w.
-    fn variances(&mut self, readings: &[Reading], best: &Solved, widths: Vec<f64>) -> Vec<f64> {
+    fn covariance(&mut self, readings: &[Reading], best: &Solved, widths: Vec<f64>) -> DMatrix<f64> {
         let least = sum_of_squares(&best.left).max(f64::MIN_POSITIVE);
         let found = self.width;
-        let (mut weights, mut sums) = (1.0, best.variances.clone());
+        let (mut weights, mut sum) = (1.0, best.covariance.clone());
         for width in widths {
             self.width = Some(width);
             let one = self.solve(readings);
             let weight = likelihood(sum_of_squares(&one.left) / least, best.degrees_of_freedom);
             weights += weight;
-            for (column, sum) in sums.iter_mut().enumerate() {
-                *sum += weight * (one.variances[column] + (one.values[column] - best.values[column]).powi(2));
-            }
+            let apart = &one.values - &best.values;
+            sum += (one.covariance + &apart * apart.transpose()) * weight;
         }
         self.width = found;
-        sums.into_iter().map(|sum| sum / weights).collect()
+        sum / weights
     }
 
     /// The pitch that explains most of the residual, if it explains more than chance.
@@ -533,7 +532,7 @@ impl Fit {
         let sigma = (left.norm_squared() / degrees_of_freedom as f64).sqrt();
         Solved {
             columns,
-            variances: inverse.diagonal().iter().map(|own| sigma * sigma * own).collect(),
+            covariance: inverse * (sigma * sigma),
             values,
             rms: scale.iter().map(|scale| scale / root).collect(),
             sigma,
@@ -556,36 +555,53 @@ impl Solved {
     fn play(&self) -> [f64; 2] {
         [0, 1].map(|axis| {
             let column = self.columns.iter().position(|own| *own == Cause::Backlash(axis));
-            column.map_or(0.0, |column| self.values[column].abs() + self.variances[column].max(0.0).sqrt())
+            column.map_or(0.0, |column| self.values[column].abs() + self.covariance[(column, column)].max(0.0).sqrt())
         })
     }
 
-    fn terms(&self) -> Vec<Term> {
+    /// Terms, and their covariance: each is a sum of columns, apart from the height of spikes of another shape, whose row and
+    /// column are zero.
+    fn terms(&self) -> (Vec<Term>, Vec<Vec<f64>>) {
         let mut terms: Vec<Term> = vec![];
+        let mut shares: Vec<Vec<(usize, f64)>> = vec![];
         for (column, &cause) in self.columns.iter().enumerate() {
             if self.inflation[column] > LARGEST_INFLATION && !matches!(cause, Cause::Radius | Cause::Centre(_)) {
                 continue;
             }
-            let (mut value, mut variance) = (self.values[column], self.variances[column]);
-            let mut rms_mm = value.abs() * self.rms[column];
+            let value = self.values[column];
+            let rms_mm = value.abs() * self.rms[column];
             if let (Cause::Reversal(axis), Some(shape)) = (cause, &self.shape) {
-                let mean_square;
-                [value, variance, mean_square] = shape.spikes[usize::from(axis != 0)];
-                rms_mm = mean_square.sqrt();
+                let [value, variance, mean_square] = shape.spikes[usize::from(axis != 0)];
+                terms.push(Term { cause, value, standard_error: variance.sqrt(), rms_mm: mean_square.sqrt() });
+                shares.push(vec![]);
+                continue;
             }
-            match (cause, terms.last_mut()) {
+            match (cause, terms.last_mut(), shares.last_mut()) {
                 // The sine part follows the cosine part of one periodic error: combine them into its amplitude.
-                (Cause::Cyclic(_), Some(before)) if before.cause == cause => {
+                (Cause::Cyclic(_), Some(before), Some(shares)) if before.cause == cause => {
                     let amplitude = before.value.hypot(value);
                     let along = [before.value, value].map(|part| part / amplitude.max(f64::MIN_POSITIVE));
-                    let spread = before.standard_error.powi(2) * along[0] * along[0] + variance * along[1] * along[1];
+                    shares.iter_mut().for_each(|(_, share)| *share = along[0]);
+                    shares.push((column, along[1]));
                     before.rms_mm = before.rms_mm.hypot(rms_mm);
-                    (before.value, before.standard_error) = (amplitude, spread.sqrt());
+                    before.value = amplitude;
                 }
-                _ => terms.push(Term { cause, value, standard_error: variance.sqrt(), rms_mm }),
+                _ => {
+                    terms.push(Term { cause, value, standard_error: 0.0, rms_mm });
+                    shares.push(vec![(column, 1.0)]);
+                }
             }
         }
-        terms
+        let entry = |one: &[(usize, f64)], other: &[(usize, f64)]| {
+            let products =
+                one.iter().flat_map(|(i, a)| other.iter().map(move |(j, b)| a * b * self.covariance[(*i, *j)]));
+            products.sum::<f64>()
+        };
+        for (term, shares) in terms.iter_mut().zip(&shares).filter(|(_, shares)| !shares.is_empty()) {
+            term.standard_error = entry(shares, shares).sqrt();
+        }
+        let covariance = shares.iter().map(|one| shares.iter().map(|other| entry(one, other)).collect()).collect();
+        (terms, covariance)
     }
 }
 

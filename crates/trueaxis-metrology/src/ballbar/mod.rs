@@ -93,6 +93,12 @@ pub struct Term {
 pub struct Evaluation {
     /// All fitted causes; periodic errors only if detected.
     pub terms: Vec<Term>,
+    /// Covariance of the terms, in their order and units; its diagonal are the squares of their standard errors.
+    ///
+    /// Like these, it is an average over the widths and shapes of spikes that the readings allow: the covariance within each
+    /// fit, and that between the fits. It is conditional on the pitches and on the readings left out for play. Spikes of another
+    /// shape have zeros: their height is that of one curve, which such an average does not have.
+    pub covariance: Vec<Vec<f64>>,
     /// Width w of the spikes at reversals, rad; without visible spikes, the fixed width with which the fit determines their
     /// height.
     pub spike_width_rad: f64,

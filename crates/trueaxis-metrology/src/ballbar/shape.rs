@@ -15,7 +15,7 @@
 //! If the fit's own shape explains the spikes (ρ = 0), the result of the fit does not change. Source: M. C. Kennedy and A.
 //! O'Hagan, 10.1111/1467-9868.00294 (a model's discrepancy as a random function).
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, DMatrixView, DVector, Dyn};
 use std::f64::consts::PI;
 use std::vec::Vec;
 
@@ -53,9 +53,10 @@ pub(super) struct Shaped {
 }
 
 impl Shaped {
-    /// Variance of a value.
-    pub(super) fn variance(&self, column: usize) -> f64 {
-        self.covariance[(column, column)]
+    /// Covariance of the values.
+    pub(super) fn covariance(&self) -> DMatrixView<'_, f64> {
+        let fixed = self.values.len();
+        self.covariance.view((0, 0), (fixed, fixed))
     }
 
     /// Largest height of an axis' spike, and its variance. `column` is the index of h.

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Residuals of neighbouring samples are correlated (subdivisional error of the encoder, ripple of the drive): the covariance
-//! treats one stretch around a reversal as one observation. C is the number of stretches, p that of parameters.
+//! treats one stretch around a reversal as one observation. C is the number of stretches, p that of parameters. Standard errors
+//! are at least those of independent samples; the covariance has them, with the correlations of the formula.
 //!
 //! Source: K. Madsen, H. B. Nielsen, O. Tingleff, Methods for Non-Linear Least Squares Problems, 2004, section 3.2; H. White,
 //! 10.2307/1912934, for the covariance.
@@ -29,6 +30,8 @@ pub(super) struct Fit {
     pub(super) errors: [f64; COUNT],
     /// Like `errors`, including the uncertainty of the times within a cycle.
     pub(super) uncertainties: [f64; COUNT],
+    /// Covariance with `uncertainties` on its diagonal; 0 for fixed parameters.
+    pub(super) covariance: [[f64; COUNT]; COUNT],
     /// Root mean square of the residuals, mm.
     pub(super) rms: f64,
     pub(super) rank: usize,
@@ -138,11 +141,17 @@ fn judged(problem: &Problem, values: Values, residuals: &[f64], cost: f64, free:
     };
     let bent: Vec<_> = problem.open_times(free).into_iter().map(bent).collect();
     let [mut errors, mut uncertainties] = [[0.0; COUNT]; 2];
+    let mut covariance = [[0.0; COUNT]; COUNT];
+    let variance = |i: usize| robust[(i, i)].max(plain[(i, i)]).max(0.0);
+    let wider = |i: usize| if robust[(i, i)] > 0.0 { (variance(i) / robust[(i, i)]).sqrt() } else { 0.0 };
     for (i, &parameter) in free.iter().enumerate() {
-        let variance = robust[(i, i)].max(plain[(i, i)]).max(0.0);
-        let of_times: f64 = bent.iter().map(|bent| bent[i] * bent[i]).sum();
-        errors[parameter] = values.unscaled(parameter, variance.sqrt());
-        uncertainties[parameter] = values.unscaled(parameter, (variance + of_times).sqrt());
+        let of_times = |j: usize| bent.iter().map(|bent| bent[i] * bent[j]).sum::<f64>();
+        errors[parameter] = values.unscaled(parameter, variance(i).sqrt());
+        uncertainties[parameter] = values.unscaled(parameter, (variance(i) + of_times(i)).sqrt());
+        for (j, &other) in free.iter().enumerate() {
+            let own = if i == j { variance(i) } else { wider(i) * wider(j) * robust[(i, j)] };
+            covariance[parameter][other] = values.unscaled(parameter, values.unscaled(other, own + of_times(j)));
+        }
     }
-    Fit { values, errors, uncertainties, rms: (cost / samples).sqrt(), rank, condition }
+    Fit { values, errors, uncertainties, covariance, rms: (cost / samples).sqrt(), rank, condition }
 }

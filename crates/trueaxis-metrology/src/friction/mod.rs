@@ -79,6 +79,34 @@ pub struct Figure {
     pub standard_error: Option<f64>,
 }
 
+/// Names of the figures in [`Identified::covariance`]: fields of [`FrictionSettings`], then of [`DriveFigures`]; the dead time is
+/// that of [`Identified::reading_lag_s`]. Units mm and s.
+pub const FIGURES: [&str; 10] = [
+    "coulomb_per_s",
+    "stribeck_share",
+    "stribeck_velocity_per_s",
+    "presliding",
+    "viscous",
+    "position_gain_per_s",
+    "velocity_gain_per_s",
+    "reset_time_s",
+    "velocity_feed_forward",
+    "dead_time_s",
+];
+/// Parameters of the fit in the order of [`FIGURES`].
+const PARAMETERS: [usize; FIGURES.len()] = [
+    COULOMB,
+    STRIBECK_SHARE,
+    STRIBECK_VELOCITY,
+    PRESLIDING,
+    VISCOUS,
+    POSITION_GAIN,
+    VELOCITY_GAIN,
+    RESET_TIME,
+    FEED_FORWARD,
+    READING_LAG,
+];
+
 /// Friction and drive of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identified {
@@ -102,6 +130,11 @@ pub struct Identified {
     pub drive_errors: Option<[f64; 4]>,
     /// Lag of the reading in addition to the drive's lag, s.
     pub reading_lag_s: Figure,
+    /// Covariance of the figures, in the order of [`FIGURES`] and in their units; 0 for a figure that was fixed.
+    ///
+    /// It is conditional on the figures that the fit fixed, at 0, at 2 mm/s or as the caller stated them, and on the linearised
+    /// model at the values found. The axes of a record are fitted separately.
+    pub covariance: [[f64; FIGURES.len()]; FIGURES.len()],
     /// Root mean square residual of the fit, mm.
     pub residual_rms: f64,
     /// Condition number of the scaled columns.
@@ -288,6 +321,7 @@ fn identified(
         drive,
         drive_errors: with_drive.then_some(errors),
         reading_lag_s: figure(READING_LAG),
+        covariance: PARAMETERS.map(|one| PARAMETERS.map(|other| found.covariance[one][other])),
         residual_rms: found.rms,
         condition: found.condition,
         fitted: free.len(),

@@ -24,6 +24,8 @@ pub struct AngleSolution {
     pub errors: Twist,
     /// Standard errors for readings of 1 mm standard deviation: the root of the diagonal of (AᵀA)⁻¹, mm/mm and rad/mm.
     pub standard_error_factors: Twist,
+    /// (AᵀA)⁻¹: the covariance of the errors for readings of 1 mm standard deviation.
+    pub covariance_factors: [Twist; 6],
     /// Numerical rank of the scaled columns; 6 in every solution.
     pub rank: u8,
     /// Condition number of the scaled columns, at most [`CONDITION_LIMIT`].
@@ -116,9 +118,18 @@ pub fn solve_angle(
         *error = value / length;
         *factor = libm::sqrt(row.iter().map(|value| value * value).sum()) / length;
     }
+    // R⁻¹R⁻ᵀ of the scaled columns.
+    let scaled = inverse * inverse.transpose();
+    let mut covariance_factors = [[0.0; 6]; 6];
+    for ((row, length), scaled) in covariance_factors.iter_mut().zip(lengths).zip(scaled.row_iter()) {
+        for ((entry, other), scaled) in row.iter_mut().zip(lengths).zip(scaled.iter()) {
+            *entry = scaled / (length * other);
+        }
+    }
     Ok(AngleSolution {
         errors,
         standard_error_factors,
+        covariance_factors,
         rank,
         condition,
         squared_residuals_mm2: left_over * left_over,

@@ -2,7 +2,7 @@
 
 use super::angle::solve_angle;
 use super::ball::{BallTest, Observation};
-use super::free_offsets::with_free_offsets;
+use super::free_offsets::{Solved, with_free_offsets};
 use super::refused::IdentificationRefusal;
 use std::vec::Vec;
 use trueaxis::Axis;
@@ -42,6 +42,10 @@ pub struct IdentifiedAngle {
     pub errors: Twist,
     /// Standard errors of `errors`, from the pooled sigma; mm and rad.
     pub standard_errors: Twist,
+    /// Covariance of `errors` of this angle. With [`Offsets::Known`] the errors of different angles are independent, apart from
+    /// the common sigma; with [`Offsets::Free`] they are correlated by the offsets and the convention, which it includes, but it
+    /// does not show the covariance of one angle with another.
+    pub covariance: [Twist; 6],
     /// Numerical rank of the scaled columns.
     pub rank: u8,
     /// Condition number of the scaled columns.
@@ -102,11 +106,12 @@ pub fn identify(test: &BallTest, offsets: Offsets) -> Result<Identified, Identif
         let found = solve_angle(test.axis, readings.angle_rad, &seen)?;
         squares += found.squared_residuals_mm2;
         degrees_of_freedom += found.degrees_of_freedom();
-        factors.push(found.standard_error_factors);
+        factors.push((found.standard_error_factors, found.covariance_factors));
         angles.push(IdentifiedAngle {
             angle_rad: readings.angle_rad,
             errors: found.errors,
             standard_errors: [0.0; 6],
+            covariance: [[0.0; 6]; 6],
             rank: found.rank,
             condition: found.condition,
             residual_mm: found.residual_mm(),
@@ -132,11 +137,14 @@ pub fn identify(test: &BallTest, offsets: Offsets) -> Result<Identified, Identif
             angle.errors = solved.errors;
             angle.residual_mm = solved.residual_mm;
         }
-        factors = free.angles.into_iter().map(|solved| solved.standard_error_factors).collect();
+        let both = |solved: Solved| (solved.standard_error_factors, solved.covariance_factors);
+        factors = free.angles.into_iter().map(both).collect();
     }
     identified.sigma_mm = (squares / identified.degrees_of_freedom.max(1) as f64).sqrt();
-    for (angle, factors) in identified.angles.iter_mut().zip(factors) {
-        angle.standard_errors = factors.map(|factor| factor * identified.sigma_mm);
+    let sigma = identified.sigma_mm;
+    for (angle, (errors, covariance)) in identified.angles.iter_mut().zip(factors) {
+        angle.standard_errors = errors.map(|factor| factor * sigma);
+        angle.covariance = covariance.map(|row| row.map(|factor| factor * sigma * sigma));
     }
     Ok(identified)
 }

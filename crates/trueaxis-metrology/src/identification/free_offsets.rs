@@ -24,6 +24,7 @@ const REFINEMENTS: usize = 3;
 pub(super) struct Solved {
     pub(super) errors: Twist,
     pub(super) standard_error_factors: Twist,
+    pub(super) covariance_factors: [Twist; 6],
     pub(super) residual_mm: f64,
 }
 
@@ -119,6 +120,7 @@ pub(super) fn with_free_offsets(test: &BallTest) -> Result<Free, IdentificationR
         angles.push(Solved {
             errors,
             standard_error_factors: std::array::from_fn(|i| covariance[(i, i)].max(0.0).sqrt()),
+            covariance_factors: std::array::from_fn(|i| std::array::from_fn(|j| covariance[(i, j)])),
             residual_mm: residual(test, readings.angle_rad, &readings.deviations_mm, &errors, &offsets),
         });
     }

@@ -3,7 +3,7 @@
 use super::*;
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
-use std::string::ToString;
+use std::string::{String, ToString};
 use std::vec::Vec;
 use trueaxis::Axis;
 use trueaxis::machine::Twist;
@@ -212,6 +212,33 @@ fn standard_errors_are_the_scatter_of_repeats() {
         for offsets in [Offsets::Known, Offsets::Free] {
             let ratios = scatter_over_standard_error(axis, &points, &angles, offsets);
             assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 0.2), "{axis:?} {offsets:?}: {ratios:?}");
+        }
+    }
+}
+
+/// The errors of one angle scatter with their covariance, for known and for free offsets.
+#[test]
+fn the_errors_of_an_angle_scatter_with_their_covariance() {
+    use trueaxis_testing::{noise::Noise, scatter};
+    let names = ["X", "Y", "Z", "α", "β", "γ"].map(String::from);
+    let cases = [(Axis::C, BALLS_C, degrees(24, 15.0)), (Axis::A, BALLS_A, degrees(19, 5.0))];
+    for (seed, (axis, points, angles)) in (1..).zip(cases) {
+        for offsets in [Offsets::Known, Offsets::Free] {
+            let clean = test_of(axis, &points, &angles, 1e-3);
+            let (mut noise, mut scattered) = (Noise::new(seed), scatter::Scatter::default());
+            for _ in 0..400 {
+                let mut test = clean.clone();
+                for mm in test.angles.iter_mut().flat_map(|angle| angle.deviations_mm.iter_mut().flatten()) {
+                    *mm += 0.2e-3 * scatter::normal(&mut noise);
+                }
+                let found = identify(&test, offsets).unwrap().angles.swap_remove(5);
+                for (i, error) in found.standard_errors.into_iter().enumerate() {
+                    assert!((found.covariance[i][i].sqrt() / error - 1.0).abs() < 1e-9, "{i}");
+                }
+                scattered.add(&found.errors, &found.covariance.map(Vec::from));
+            }
+            let largest = scattered.check(&names, 0.0);
+            assert!(largest > 0.5, "{axis:?} {offsets:?}: nothing to compare: {largest}");
         }
     }
 }

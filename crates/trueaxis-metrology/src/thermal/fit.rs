@@ -70,6 +70,12 @@ pub struct Fit {
     pub sensors: Vec<usize>,
     /// Values with their standard errors.
     pub axes: Vec<OfAxis>,
+    /// Covariance of the values at the knots, row by row: axis by axis, the knots of its sensors and then of the spindle, two
+    /// values each; products of mm, mm/K and their like. Row and column are zero for a value that the fit does not have.
+    ///
+    /// It is conditional on the causes and bends found, and includes the uncertainty of the lags, which all axes share.
+    /// The residuals of different axes count as independent.
+    pub covariance: Vec<Vec<f64>>,
     /// Sensors, or the spindle, that the model does not use.
     pub left_out: Vec<LeftOut>,
     /// Root mean square of the drift over all axes, mm, and of the residual when each cycle is predicted from the others.
@@ -117,8 +123,9 @@ pub fn fit(record: &Record, settings: &Settings, on_cause: &mut dyn FnMut(&str))
         (0..record.axes.len()).map(|axis| Linear::of(&problem, &rows, axis, &causes, &search.parts(axis, &causes)));
     let linear = linear.collect::<Result<Vec<Linear>, ThermalRefusal>>()?;
     let lags = lags(&linear, causes.len());
-    let axes: Vec<OfAxis> =
-        (0..record.axes.len()).map(|axis| of_axis(&problem, axis, &causes, &linear[axis], &lags)).collect();
+    let found = (0..record.axes.len()).map(|axis| of_axis(&problem, axis, &causes, &linear[axis], &lags));
+    let (axes, weights): (Vec<OfAxis>, Vec<Vec<DVector<f64>>>) = found.unzip();
+    let covariance = covariance(&linear, &weights, &lags);
     let curves = |of: &OfAxis| AxisCurves {
         axis: of.axis,
         datum: settings.datum_mm[slot(of.axis)],
@@ -137,7 +144,7 @@ pub fn fit(record: &Record, settings: &Settings, on_cause: &mut dyn FnMut(&str))
     let unconfirmed = knots.filter_map(|(rpm, lone)| Some((*rpm, *fitted.get((*lone)?)?))).collect();
     let left_out = left_out(record, &problem, &causes);
     let missing = missing(record);
-    let fit = Fit { left_out, model, sensors, axes, predicted_mm, held_out, unconfirmed, missing };
+    let fit = Fit { left_out, model, sensors, axes, covariance, predicted_mm, held_out, unconfirmed, missing };
     followed(&fit)?;
     Ok(fit)
 }
@@ -278,7 +285,39 @@ fn lags(axes: &[Linear], count: usize) -> DMatrix<f64> {
     information.cholesky().map_or_else(|| DMatrix::zeros(count, count), |factors| factors.inverse())
 }
 
-fn of_axis(problem: &Problem<'_>, axis: usize, causes: &[Chosen], linear: &Linear, lags: &DMatrix<f64>) -> OfAxis {
+/// A sum of an axis' values.
+struct Sum<'w> {
+    axis: usize,
+    weights: &'w DVector<f64>,
+    /// Derivative with respect to the logarithm of each cause's lag.
+    slopes: DVector<f64>,
+}
+
+/// Covariance of the sums of the axes' values with these weights, by axis.
+fn covariance(linear: &[Linear], weights: &[Vec<DVector<f64>>], lags: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let mut sums = Vec::new();
+    for (axis, (linear, weights)) in linear.iter().zip(weights).enumerate() {
+        sums.extend(weights.iter().map(|weights| {
+            let slopes = linear.slopes.iter().map(|slope| slope.dot(weights));
+            Sum { axis, weights, slopes: DVector::from_iterator(linear.slopes.len(), slopes) }
+        }));
+    }
+    let entry = |one: &Sum<'_>, other: &Sum<'_>| {
+        let own =
+            if one.axis == other.axis { one.weights.dot(&(&linear[one.axis].covariance * other.weights)) } else { 0.0 };
+        own + one.slopes.dot(&(lags * &other.slopes))
+    };
+    sums.iter().map(|one| sums.iter().map(|other| entry(one, other)).collect()).collect()
+}
+
+/// Values of an axis at the knots, and the weights of the linear problem's values in each, in the order of [`Fit::covariance`].
+fn of_axis(
+    problem: &Problem<'_>,
+    axis: usize,
+    causes: &[Chosen],
+    linear: &Linear,
+    lags: &DMatrix<f64>,
+) -> (OfAxis, Vec<DVector<f64>>) {
     let record = problem.record;
     let name = record.axes[axis];
     let Linear { places, values, condition, rms_mm, .. } = linear;
@@ -289,7 +328,8 @@ fn of_axis(problem: &Problem<'_>, axis: usize, causes: &[Chosen], linear: &Linea
         }
     }
     // A value at a knot is the sum of the parts' contributions there.
-    let at = |which: usize, shares: &[f64]| {
+    let mut all_weights = Vec::new();
+    let mut at = |which: usize, shares: &[f64]| {
         let mut found = Coefficient { value: [0.0; 2], standard_error: [0.0; 2] };
         for part in [0, 1] {
             let own = |i: usize| {
@@ -303,6 +343,7 @@ fn of_axis(problem: &Problem<'_>, axis: usize, causes: &[Chosen], linear: &Linea
                 variance += weights.iter().enumerate().map(|(j, other)| one * other * covariance[(i, j)]).sum::<f64>();
             }
             found.standard_error[part] = variance.max(0.0).sqrt();
+            all_weights.push(DVector::from_vec(weights));
         }
         found
     };
@@ -326,7 +367,7 @@ fn of_axis(problem: &Problem<'_>, axis: usize, causes: &[Chosen], linear: &Linea
             }
         }
     }
-    found
+    (found, all_weights)
 }
 
 /// Number of zeros among the rows, and number of measuring points per moment.

@@ -13,7 +13,7 @@
 //! **Conventions.** Constants of the errors and slopes of straightness are inseparable from t, ρ, squareness and one another.
 //! The fit therefore adds one condition per such freedom, which changes no residual: every error is zero at the reference
 //! position, and straightnesses have no slope (least squares over their nodes), so that squareness is a separate term and X is
-//! the primary axis.
+//! the primary axis. Conditions are exact and add nothing to the standard errors: those of an error are zero at the reference.
 //!
 //! **Unobserved.** A rotation whose lever varies only with its own axis' position moves the tip as a translation of that axis
 //! does. The fit leaves it at zero; the translation includes its effect, for that tool.
@@ -87,6 +87,8 @@ pub struct VolumetricFit {
     pub squareness: [f64; 3],
     /// Standard errors of `squareness`, rad.
     pub squareness_errors: [f64; 3],
+    /// Covariance of `squareness`, rad²: given the nodes, and with everything else that the fit determines free.
+    pub squareness_covariance: [[f64; 3]; 3],
     /// Shift of the instrument, mm, and its rotation, rad.
     pub placement: [f64; 6],
     /// Errors of the reflector offsets, from the second on, mm.

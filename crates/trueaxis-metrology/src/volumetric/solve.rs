@@ -72,12 +72,23 @@ pub fn fit(observations: &[Observation], basis: &Basis) -> Result<VolumetricFit,
             })
         })
     };
-    let factors = &solution.error_factors;
+    // A condition enters as a row with the scatter of a reading, but it is exact: what that scatter adds is subtracted.
+    let exact: Vec<Vec<f64>> = conventions
+        .iter()
+        .map(|(row, size)| solution.covariance_with(row).into_iter().map(|value| weight * size * value).collect())
+        .collect();
+    let factor = |i: usize, j: usize| {
+        solution.covariance_factor(i, j) - exact.iter().map(|condition| condition[i] * condition[j]).sum::<f64>()
+    };
+    let factors: Vec<f64> = (0..design.unknowns).map(|i| factor(i, i).max(0.0).sqrt()).collect();
     Ok(VolumetricFit {
         errors: of(values, 1.0),
-        standard_errors: of(factors, sigma),
+        standard_errors: of(&factors, sigma),
         squareness: std::array::from_fn(|k| values[design.squareness + k]),
         squareness_errors: std::array::from_fn(|k| sigma * factors[design.squareness + k]),
+        squareness_covariance: std::array::from_fn(|i| {
+            std::array::from_fn(|j| sigma * sigma * factor(design.squareness + i, design.squareness + j))
+        }),
         placement: std::array::from_fn(|k| values[design.placement + k]),
         offsets_mm: values[design.offsets..].chunks_exact(3).map(|o| [o[0], o[1], o[2]]).collect(),
         left_mm,

@@ -326,6 +326,7 @@ def evaluate_points(
     machine: Machine,
     nodes: Sequence[int] | None = None,
     without: Sequence[str] = ...,
+    residuals: bool = False,
 ) -> MeasuredPoints: ...
 def accuracy(
     record: Mapping[str, ArrayLike] | Frame | str | PathLike[str] | Readable,

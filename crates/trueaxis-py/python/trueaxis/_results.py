@@ -145,6 +145,29 @@ class Section(Mapping[str, Any]):
         """Return the fields as a dictionary: the JSON of the command, and the arrays that only Python has."""
         return dict(self._document)
 
+    @property
+    def correlation(self) -> NDArray[np.float64]:
+        """Correlation of the terms of a fit, in the order of `covariance.names`; `identify` has one for every angle."""
+        return correlation_of(_covariance(self))
+
+    def to_ufloats(self) -> dict[str, Any]:
+        """Return the terms of a fit as numbers of the package ``uncertainties``, with their correlations.
+
+        Returns
+        -------
+        dict of uncertainties.UFloat
+            The terms with their standard errors, by name, in the units that `covariance.units` lists.
+
+        Raises
+        ------
+        ValueError
+            If the result, or this section of it, has no covariance.
+        """
+        from uncertainties import correlated_values
+
+        matrix, own = _covariance(self), self["covariance"]
+        return dict(zip(own["names"], correlated_values(own["estimates"], matrix, tags=own["names"])))
+
 
 def _viewed(value: Any, kind: type[Section]) -> Any:
     """Return a value as attributes show it: sections of a kind, and lists of numbers as arrays that cannot be written."""
@@ -240,31 +263,6 @@ class Result(Section):
                 found.setdefault(figure.name, figure)
         return found
 
-    @property
-    def correlation(self) -> NDArray[np.float64]:
-        """Correlation of the terms of a fit, in the order of `covariance.names`; from the covariance that the fit found."""
-        return correlation_of(_covariance(self))
-
-    def to_ufloats(self) -> dict[str, Any]:
-        """Return the terms of a fit as numbers of the package ``uncertainties``, with their correlations.
-
-        Returns
-        -------
-        dict of uncertainties.UFloat
-            The terms with their standard errors, by name, in the units that `covariance.units` lists.
-
-        Raises
-        ------
-        ValueError
-            If the result has no covariance.
-        """
-        from uncertainties import correlated_values
-
-        matrix = _covariance(self)
-        names = self.covariance.names
-        values = {term.name: term.value for term in self.terms}
-        return dict(zip(names, correlated_values([values[name] for name in names], matrix, tags=list(names))))
-
     def to_frame(self, table: int | str = 0) -> pandas.DataFrame:
         """Return a table as a data frame, with the numbers at full precision.
 
@@ -335,9 +333,10 @@ def correlation_of(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
     return correlation
 
 
-def _covariance(of: Result) -> NDArray[np.float64]:
+def _covariance(of: Section) -> NDArray[np.float64]:
     if "covariance" not in of:
-        raise ValueError(f"{type(of).__name__}: found no covariance, needed a result of calibrate_solve or evaluate_r_test")
+        needed = "a result of calibrate_solve, evaluate_points, evaluate_r_test, thermal_fit, friction or ballbar, or an angle of identify"
+        raise ValueError(f"{type(of).__name__}: found no covariance, needed {needed}")
     return np.array([list(row) for row in of["covariance"]["matrix"]])
 
 

@@ -666,6 +666,29 @@ class Ways(Section):
     cw: float | None
 
 
+class Covariance(Section):
+    """Covariance of terms, in the order of a fit's document.
+
+    Attributes
+    ----------
+    names : tuple[str, ...]
+        Names of the terms.
+    units : tuple[str, ...]
+        Units of the terms; an entry of the matrix has the product of two.
+    estimates : NDArray[np.float64]
+        Estimates of the terms.
+    matrix : tuple[NDArray[np.float64], ...]
+        Variances and covariances, row by row.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    estimates: NDArray[np.float64]
+    matrix: tuple[NDArray[np.float64], ...]
+
+
 class Share(Section):
     """Share of a cause in the deviation.
 
@@ -739,6 +762,8 @@ class Ballbar(Result):
         Standard errors under the names of the values.
     expanded_uncertainties : Section
         Half-widths of 95 % intervals: standard errors times Student's factor.
+    covariance : Covariance
+        Covariance of the values that have a standard error, by names as `backlash_um.x` and `centre_um[0]`; its diagonal are the squares of these. It is conditional on the pitches; spikes of a shape other than the fit's own are not in it.
     shares : tuple[Share, ...]
         Causes other than radius and centre, largest first.
     sigma_um : float
@@ -762,7 +787,7 @@ class Ballbar(Result):
     """
 
     __slots__ = ()
-    _sections: ClassVar[dict[str, type[Section]]] = {"g_um": Ways, "f_um": Ways, "f_max_um": Ways, "f_min_um": Ways, "shares": Share}
+    _sections: ClassVar[dict[str, type[Section]]] = {"g_um": Ways, "f_um": Ways, "f_max_um": Ways, "f_min_um": Ways, "covariance": Covariance, "shares": Share}
     readings: int
     radius_mm: float
     g_b_um: float | None
@@ -787,6 +812,7 @@ class Ballbar(Result):
     pitch_mm: Section
     standard_errors: Section
     expanded_uncertainties: Section
+    covariance: Covariance
     shares: tuple[Share, ...]
     sigma_um: float
     degrees_of_freedom: int
@@ -836,16 +862,19 @@ class Angle(Section):
         
     expanded_uncertainties : Section
         
+    covariance : Covariance
+        Covariance of the errors at this angle; its diagonal are the squares of their standard errors. Errors of different angles are independent if the offsets are known; free offsets correlate them too, which it does not show.
     """
 
     __slots__ = ()
-    _sections: ClassVar[dict[str, type[Section]]] = {}
+    _sections: ClassVar[dict[str, type[Section]]] = {"covariance": Covariance}
     angle_deg: float
     residual_um: float
     condition: float
     rank: int
     standard_errors: Section
     expanded_uncertainties: Section
+    covariance: Covariance
 
 
 class Identification(Result):
@@ -1062,6 +1091,8 @@ class Friction(Result):
         Sampling period, s.
     axes : tuple[AxisFound, ...]
         Both axes, in the requested order.
+    covariance : Covariance
+        Covariance of the figures fitted, by names as `X.coulomb_mm_per_s`; its diagonal are the squares of their standard errors. It is conditional on the figures that were fixed or stated; the axes are fitted separately, so that figures of one have none with those of the other. Figures of the resonance come from a second fit, and are not in it.
     warnings : tuple[str, ...]
         Figures that the record does not determine, and the values at which they are fixed.
     written : tuple[Section, ...]
@@ -1071,10 +1102,11 @@ class Friction(Result):
     """
 
     __slots__ = ()
-    _sections: ClassVar[dict[str, type[Section]]] = {"axes": AxisFound}
+    _sections: ClassVar[dict[str, type[Section]]] = {"axes": AxisFound, "covariance": Covariance}
     samples: int
     period_s: float
     axes: tuple[AxisFound, ...]
+    covariance: Covariance
     warnings: tuple[str, ...]
     written: tuple[Section, ...]
     toml: str
@@ -1259,6 +1291,8 @@ class ThermalFit(Result):
         Lag of the spindle's response, s; `None` if the model does not use the speed.
     axes : tuple[Axis, ...]
         Curves of each axis.
+    covariance : Covariance
+        Covariance of the curves of all axes, by names as `Z.nose.offset_um[0]`; its diagonal are the squares of their standard errors. Values without one are not in it. It is conditional on the sensors and bends chosen, and includes the lags.
     left_out : tuple[LeftOut, ...]
         Sensors that are not part of the model.
     unconfirmed : tuple[Unconfirmed, ...]
@@ -1276,12 +1310,13 @@ class ThermalFit(Result):
     """
 
     __slots__ = ()
-    _sections: ClassVar[dict[str, type[Section]]] = {"sensors": Sensor, "axes": Axis, "left_out": LeftOut, "unconfirmed": Unconfirmed, "missing": Missing, "cycles": Cycle}
+    _sections: ClassVar[dict[str, type[Section]]] = {"sensors": Sensor, "axes": Axis, "covariance": Covariance, "left_out": LeftOut, "unconfirmed": Unconfirmed, "missing": Missing, "cycles": Cycle}
     rows: int
     reference_c: float
     sensors: tuple[Sensor, ...]
     spindle_lag_s: float | None
     axes: tuple[Axis, ...]
+    covariance: Covariance
     left_out: tuple[LeftOut, ...]
     unconfirmed: tuple[Unconfirmed, ...]
     missing: tuple[Missing, ...]
@@ -1312,26 +1347,6 @@ class SolvedTerm(Section):
     value: float
     standard_error: float
     unit: str
-
-
-class Covariance(Section):
-    """Covariance of terms, in the order of a fit's document.
-
-    Attributes
-    ----------
-    names : tuple[str, ...]
-        Names of the terms.
-    units : tuple[str, ...]
-        Units of the terms; an entry of the matrix has the product of two.
-    matrix : tuple[NDArray[np.float64], ...]
-        Variances and covariances, row by row.
-    """
-
-    __slots__ = ()
-    _sections: ClassVar[dict[str, type[Section]]] = {}
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    matrix: tuple[NDArray[np.float64], ...]
 
 
 class Size(Section):
@@ -1422,7 +1437,7 @@ class Calibration(Result):
     files : Section
         Changed files of the machine as texts, by name, with `files=True`.
     residuals_um : NDArray[np.float64]
-        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test.
+        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test or a measured point.
     """
 
     __slots__ = ()
@@ -2199,7 +2214,7 @@ class RTest(Result):
     written : tuple[Section, ...]
         Decision on every value found, if a machine is given: key, old, found, written, why.
     residuals_um : NDArray[np.float64]
-        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test.
+        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test or a measured point.
     """
 
     __slots__ = ()
@@ -2306,6 +2321,8 @@ class MeasuredPoints(Result):
         Errors that the tables contain.
     squareness : Squareness
         Squareness.
+    covariance : Covariance
+        Covariance of the squarenesses; its diagonal are the squares of their standard errors. The errors of the axes have too many nodes for a matrix.
     unseen : tuple[str, ...]
         Angular errors that the points do not determine, left at zero.
     before : Left
@@ -2338,14 +2355,17 @@ class MeasuredPoints(Result):
         Weight of second differences of the tables relative to a reading.
     notes : tuple[str, ...]
         Remarks on the result.
+    residuals_um : NDArray[np.float64]
+        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test or a measured point.
     """
 
     __slots__ = ()
-    _sections: ClassVar[dict[str, type[Section]]] = {"functions": Function, "squareness": Squareness, "before": Left, "left": Left, "held_out": Left}
+    _sections: ClassVar[dict[str, type[Section]]] = {"functions": Function, "squareness": Squareness, "covariance": Covariance, "before": Left, "left": Left, "held_out": Left}
     points: int
     nodes: NDArray[np.int64]
     functions: tuple[Function, ...]
     squareness: Squareness
+    covariance: Covariance
     unseen: tuple[str, ...]
     before: Left
     left: Left
@@ -2362,6 +2382,7 @@ class MeasuredPoints(Result):
     condition: float
     smoothing: float
     notes: tuple[str, ...]
+    residuals_um: NDArray[np.float64]
 
 
 class AtPointSpread(Section):
