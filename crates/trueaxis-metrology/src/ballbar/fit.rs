@@ -392,8 +392,8 @@ impl Fit {
     /// U = Σ p_w [U_w + (x_w − x)(x_w − x)ᵀ],   p_w ∝ S_w^(−ν/2)
     /// ```
     ///
-    /// U_w: covariance and S_w: residual sum of squares with width w, ν: degrees of freedom. If spikes are high, p is 1 at their width. Source:
-    /// JCGM 101:2008, 6 (propagation of distributions), for the nuisance parameter w.
+    /// U_w: covariance and S_w: residual sum of squares with width w, ν: degrees of freedom. If spikes are high, p is 1 at their
+    /// width. Source: JCGM 101:2008, 6 (propagation of distributions), for the nuisance parameter w.
     fn covariance(&mut self, readings: &[Reading], best: &Solved, widths: Vec<f64>) -> DMatrix<f64> {
         let least = sum_of_squares(&best.left).max(f64::MIN_POSITIVE);
         let found = self.width;
