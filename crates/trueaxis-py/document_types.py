@@ -29,7 +29,7 @@ FILES = ("files", "Section", "Changed files of the machine as texts, by name, wi
 TOML = ("toml", "str", "Text of the settings found, with `toml=True`.")
 TRACE = [("theta_deg", "NDArray[np.float64]", "Angles of the trace, of `trace_roundness`."),
          ("radius_mm", "NDArray[np.float64]", "Radii of the trace as filtered, of `trace_roundness`.")]
-RESIDUALS = ("residuals_um", "NDArray[np.float64]", "Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test or a measured point.")
+RESIDUALS = ("residuals_um", "NDArray[np.float64]", "Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading, a measured point or a sample.")
 PROGRAM = ("program_text", "str", "Text of the program.")
 RESULTS = [
     ("Circle", "circle, trace_roundness", f"{EVALUATION}/circle/mod.rs", "CircleDocument", TRACE),
@@ -38,9 +38,10 @@ RESULTS = [
     ("Accuracy", "accuracy", f"{EVALUATION}/accuracy/mod.rs", "AccuracyDocument", []),
     ("Ballbar", "ballbar", f"{EVALUATION}/ballbar/document.rs", "BallbarDocument", [WRITTEN, *TRACES]),
     ("Identification", "identify", f"{EVALUATION}/identify/document.rs", "IdentificationDocument",
-     [WRITTEN, ("table", "str", "The axis' table as CSV text, with `table=True`.")]),
-    ("Friction", "friction", f"{EVALUATION}/friction/document.rs", "FrictionDocument", [WRITTEN, TOML]),
-    ("ThermalFit", "thermal_fit", f"{EVALUATION}/thermal/document.rs", "ThermalDocument", [TOML]),
+     [WRITTEN, ("table", "str", "The axis' table as CSV text, with `table=True`."), RESIDUALS]),
+    ("Friction", "friction", f"{EVALUATION}/friction/document.rs", "FrictionDocument",
+     [WRITTEN, TOML, RESIDUALS, ("residuals_t_s", "NDArray[np.float64]", "Times of the residuals, with `residuals=True`.")]),
+    ("ThermalFit", "thermal_fit", f"{EVALUATION}/thermal/document.rs", "ThermalDocument", [TOML, RESIDUALS]),
     ("Calibration", "calibrate_solve", f"{EVALUATION}/calibrate/document.rs", "CalibrationDocument", [WRITTEN, FILES, RESIDUALS]),
     ("CalibrationPlan", "calibrate_plan", f"{EVALUATION}/calibrate/foreseen.rs", "Foreseen", [PROGRAM]),
     ("KeepPlan", "keep_plan", f"{EVALUATION}/keep/foreseen.rs", "Foreseen", [PROGRAM]),

@@ -4,6 +4,7 @@ use crate::machine::{Machine, decided};
 use crate::measured::Measured;
 use crate::shown::result;
 use crate::{Error, json, to_python, warn};
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use trueaxis::Axis;
 use trueaxis_evaluation::shown::Shown;
@@ -31,6 +32,8 @@ use trueaxis_tables::formats::write_axis_csv;
 ///     Whether one offset per set-up, constant in machine directions, is fitted too: the gauges were zeroed in every set-up.
 /// table : bool, default False
 ///     True adds the axis' table as CSV text under `table`.
+/// residuals : bool, default False
+///     True adds the residual of every reading along X, Y, Z under `residuals_um`, (n, 3), by angle, then by set-up.
 ///
 /// Returns
 /// -------
@@ -46,7 +49,8 @@ use trueaxis_tables::formats::write_axis_csv;
 /// -----
 /// Writes no file.
 #[pyfunction]
-#[pyo3(signature = (readings, *, axis, machine = None, start_mm = None, free_offsets = false, table = false))]
+#[pyo3(signature = (readings, *, axis, machine = None, start_mm = None, free_offsets = false, table = false,
+    residuals = false))]
 pub(crate) fn identify<'py>(
     py: Python<'py>,
     readings: &Bound<'py, PyAny>,
@@ -55,6 +59,7 @@ pub(crate) fn identify<'py>(
     start_mm: Option<[f64; 3]>,
     free_offsets: bool,
     table: bool,
+    residuals: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
     let axis = match axis {
         "A" => Axis::A,
@@ -84,12 +89,17 @@ pub(crate) fn identify<'py>(
         let table = if table { Some(write_axis_csv(&found.table()?, axis)) } else { None };
         let additions = || machine.map_or(Ok(Additions::default()), |machine| found.additions(&machine.machine));
         let written = decided(machine, &measured, additions, &mut notes);
-        Ok((found.document, table, written))
+        let left = residuals.then(|| found.residuals_um());
+        Ok((found.document, table, written, left))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, table, written) = to_python(found)?;
+    let (document, table, written, left) = to_python(found)?;
     let found = json::dictionary(py, &document)?;
     json::with_decisions(&found, written.as_deref())?;
+    if let Some(left) = left {
+        let left: Vec<Vec<f64>> = left.into_iter().map(Vec::from).collect();
+        found.set_item("residuals_um", PyArray2::from_vec2(py, &left)?)?;
+    }
     if let Some(table) = table {
         found.set_item("table", table)?;
     }
@@ -114,6 +124,10 @@ pub(crate) fn identify<'py>(
 /// read_after_us : float, optional
 ///     Time of the encoder's reading, µs after the command of its row takes effect (negative: before); used if the
 ///     drives' figures are found too.
+/// residuals : bool, default False
+///     True adds the recorded minus the modelled following error of both axes under `residuals_um`, (samples, 2), and their
+///     times from the record's first row under `residuals_t_s`. The fit weighs the stretches around reversals; with stated
+///     figures of the drives it leaves out starts and stops, which have residuals all the same.
 /// toml : bool, default False
 ///     True adds the sections of a machine.toml under `toml`.
 ///
@@ -132,7 +146,7 @@ pub(crate) fn identify<'py>(
 /// Writes no file.
 #[pyfunction]
 #[pyo3(signature = (record, *, axes, machine = None, find_drive = false, find_resonance = false, read_after_us = None,
-    toml = false))]
+    residuals = false, toml = false))]
 pub(crate) fn friction<'py>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
@@ -141,6 +155,7 @@ pub(crate) fn friction<'py>(
     find_drive: bool,
     find_resonance: bool,
     read_after_us: Option<f64>,
+    residuals: bool,
     toml: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
     let axes = circles::pair(axes).map_err(|error| Error::new_err(format!("axes: {error}")))?;
@@ -163,15 +178,22 @@ pub(crate) fn friction<'py>(
         if find_resonance {
             document = circles::resonances(&recording, &mut found, &mut |_, _| {})?;
         }
+        let left = if residuals { Some(circles::residuals(&recording, &found)?) } else { None };
         let sections = toml.then(|| circles::sections(measured.name(), &found));
         let written = decided(machine, &measured, || Ok(circles::additions(&found)), &mut notes);
         let shown = Shown { plots: circles::spikes(&found), ..document.shown() };
-        Ok((document, shown, sections, written))
+        Ok((document, shown, sections, written, left))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let (document, shown, sections, written) = to_python(found)?;
+    let (document, shown, sections, written, left) = to_python(found)?;
     let found = json::dictionary(py, &document)?;
     json::with_decisions(&found, written.as_deref())?;
+    if let Some((sample_s, [first, second])) = left {
+        let t_s = (0..first.len()).map(|k| k as f64 * sample_s).collect();
+        let rows: Vec<Vec<f64>> = first.iter().zip(&second).map(|(a, b)| vec![1e3 * a, 1e3 * b]).collect();
+        found.set_item("residuals_um", PyArray2::from_vec2(py, &rows)?)?;
+        found.set_item("residuals_t_s", PyArray1::from_vec(py, t_s))?;
+    }
     if let Some(sections) = sections {
         found.set_item("toml", sections)?;
     }

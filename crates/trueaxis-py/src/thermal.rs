@@ -5,6 +5,7 @@ use crate::measured::Measured;
 use crate::shown::result;
 use crate::{Error, json, raised, to_python, warn};
 use anyhow::anyhow;
+use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
@@ -29,6 +30,9 @@ use trueaxis_tables::text::read_text;
 /// rate_k_per_min : float, optional
 ///     Largest rate at which a sensor warms or cools, K/min, 0.1 to 1000; a faster change is refused as a jump. By default,
 ///     that of the command.
+/// residuals : bool, default False
+///     True adds the measured minus the predicted drift under `residuals_um`, (rows, axes), each relative to the first row of
+///     its cycle at the same measuring point.
 /// toml : bool, default False
 ///     Whether the result has the text of a thermal.toml under `toml`.
 ///
@@ -52,7 +56,7 @@ use trueaxis_tables::text::read_text;
 /// If an otherwise even record lacks rows, `missing` lists them, each with a warning.
 #[pyfunction]
 #[pyo3(signature = (record, *, machine = None, hold_out = Vec::new(), without = Vec::new(),
-    rate_k_per_min = RATE_K_PER_MIN, toml = false))]
+    rate_k_per_min = RATE_K_PER_MIN, residuals = false, toml = false))]
 pub(crate) fn thermal_fit<'py>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
@@ -60,6 +64,7 @@ pub(crate) fn thermal_fit<'py>(
     hold_out: Vec<u32>,
     without: Vec<String>,
     rate_k_per_min: f64,
+    residuals: bool,
     toml: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
     let measured = Measured::of_columns(record, "record", &COLUMNS)?;
@@ -79,6 +84,9 @@ pub(crate) fn thermal_fit<'py>(
     document.missing.iter().try_for_each(|own| warn(py, &own.to_string()))?;
     let shown = document.shown(&found);
     let document = json::dictionary(py, &document)?;
+    if residuals {
+        document.set_item("residuals_um", PyArray2::from_vec2(py, &found.residuals_um())?)?;
+    }
     if toml {
         document.set_item("toml", written(&found))?;
     }

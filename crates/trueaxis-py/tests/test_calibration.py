@@ -125,6 +125,12 @@ def test_a_thermal_fit_is_that_of_the_command(tmp_path):
     for k, (value, error) in enumerate(zip(curve.slope, curve.slope_error)):
         number = numbers[f"X.T1.slope[{k}]"]
         assert number.nominal_value == value and number.std_dev == pytest.approx(error)
+    residuals = trueaxis.thermal_fit(record, machine=mill, hold_out=[2], without=["T2"], residuals=True).residuals_um
+    held_out = residuals[record["cycle"] == 2]
+    assert residuals.shape == (384, 2) and np.max(np.abs(held_out)) == pytest.approx(left)
+    # Two points in each of four cycles begin at zero; the noise of a difference is that of the record times the root of 2.
+    assert np.sum(np.all(residuals == 0, axis=1)) == 8
+    assert np.std(residuals, axis=0) == pytest.approx(0.05 * np.sqrt(2), rel=0.4)
     text = trueaxis.thermal_fit(file, machine=mill, hold_out=[2], without=["T2"], toml=True).toml
     assert text == toml.read_text()
     assert refused(lambda: trueaxis.thermal_fit(record, rate_k_per_min=0.0)) == "rate_k_per_min: found 0, needed 0.1 to 1000"

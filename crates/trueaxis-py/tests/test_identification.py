@@ -47,13 +47,17 @@ def test_errors_are_those_of_identify(tmp_path):
 
 
 def test_an_angle_has_the_covariance_of_its_equations():
-    """Against σ² (AᵀA)⁻¹ with the rows of e + w × p, written here."""
-    found = trueaxis.identify(readings(0.05)[0], axis="C")
-    for angle in found.angles[:4]:
+    """Against σ² (AᵀA)⁻¹ with the rows of e + w × p, written here; residuals against NumPy's least squares of these rows."""
+    data = readings(0.05)[0]
+    found = trueaxis.identify(data, axis="C", residuals=True)
+    read, left = data[:, 3:].reshape(-1, 12), found.residuals_um.reshape(-1, 12)
+    for k, angle in enumerate(found.angles[:4]):
         t, rows = math.radians(angle.angle_deg), []
         for low, side in BALLS:
             x, y, z = -side * math.sin(t), side * math.cos(t), -low
             rows += [[1, 0, 0, 0, 1e-3 * z, -1e-3 * y], [0, 1, 0, -1e-3 * z, 0, 1e-3 * x], [0, 0, 1, 1e-3 * y, -1e-3 * x, 0]]
+        fitted = np.array(rows) @ np.linalg.lstsq(np.array(rows), read[k], rcond=None)[0]
+        assert np.allclose(left[k], read[k] - fitted, rtol=0, atol=1e-9)
         needed = found.sigma_um**2 * np.linalg.inv(np.transpose(rows) @ rows)
         errors = np.sqrt(np.diag(needed))
         assert np.allclose(np.array(angle.covariance.matrix), needed, rtol=0, atol=1e-9 * np.outer(errors, errors))
@@ -61,6 +65,9 @@ def test_an_angle_has_the_covariance_of_its_equations():
         numbers = angle.to_ufloats()
         assert [number.std_dev for number in numbers.values()] == pytest.approx([angle.standard_errors[name] for name in numbers])
         assert numbers["exc_um"].nominal_value == angle.exc_um
+    free = trueaxis.identify(data, axis="C", free_offsets=True, residuals=True)
+    # An offset is fitted for every set-up, so its residuals have no mean.
+    assert np.allclose(free.residuals_um.reshape(-1, 4, 3).mean(axis=0), 0, atol=1e-9) and np.std(free.residuals_um) < 0.06
     with pytest.raises(ValueError, match="an angle of identify"):
         found.to_ufloats()
 
@@ -172,6 +179,10 @@ def test_friction_is_that_of_the_command(tmp_path, record):
     assert trueaxis.friction(file, axes="X,Y", machine=machine, toml=True)["toml"] == (tmp_path / "f.toml").read_text()
     assert_lock_is_released(lambda: trueaxis.friction(record, axes="X,Y", machine=machine))
     assert all(axis["resonance"] is None and axis["resonance_not_found"] is None for axis in found["axes"])
+    fit = trueaxis.friction(record, axes="X,Y", machine=machine, residuals=True)
+    assert fit.residuals_um.shape == (len(fit.residuals_t_s), 2) and fit.residuals_t_s[-1] == pytest.approx(record[-1, 0], abs=1e-3)
+    # Far below the lag that friction causes at reversals, µm: COULOMB over the position gain.
+    assert np.std(fit.residuals_um, axis=0) == pytest.approx(np.zeros(2), abs=0.02 * 1e3 * COULOMB / 110)
     searched = trueaxis.friction(record, axes="X,Y", machine=machine, find_resonance=True)
     assert all(axis.resonance is not None or "needed" in axis.resonance_not_found for axis in searched.axes)
 

@@ -91,6 +91,24 @@ pub fn fit(
     Ok((found, document))
 }
 
+/// Recorded minus modelled following error of both axes, mm, and the time between two values, s; the first is that of the record's
+/// first row.
+///
+/// # Errors
+/// As [`fit`].
+///
+/// Cost: three simulations of the record for each axis.
+pub fn residuals(recording: &Recording, found: &[Identified; 2]) -> Result<(f64, [Vec<f64>; 2])> {
+    let mut sample_s = 0.0;
+    let mut of_axis = |index: usize| -> Result<Vec<f64>> {
+        let found = found[index].deviation(&recording.record, index).map_err(|refused| named(recording, &refused))?;
+        sample_s = found.sample_s;
+        Ok(found.before.iter().zip(&found.predicted).map(|(before, predicted)| before - predicted).collect())
+    };
+    let residuals = [of_axis(0)?, of_axis(1)?];
+    Ok((sample_s, residuals))
+}
+
 /// Searches the record for the resonances of the axes whose friction was found in it, and renews the document.
 ///
 /// # Errors

@@ -20,7 +20,9 @@ pub use table::table;
 
 use anyhow::{Context, Result, anyhow};
 use trueaxis::Axis;
-use trueaxis_metrology::identification::{Identified, Offsets, identify as solve};
+use trueaxis_metrology::identification::{
+    AngleReadings, Ball, Identified, IdentifiedAngle, Offsets, identify as solve, lever,
+};
 use trueaxis_tables::{Machine, Table};
 
 /// Condition number from which the set-ups are doubtful: a gauge error of 0.2 µm then gives errors of 20 µm.
@@ -99,6 +101,22 @@ pub fn identify(
 }
 
 impl Identification {
+    /// Reading minus model along X, Y, Z, µm: d − (e + ω × p + offset), by angle, then by set-up.
+    pub fn residuals_um(&self) -> Vec<[f64; 3]> {
+        let test = self.readings.test(self.errors.axis, self.direction);
+        let of_angle = |(angle, readings): (&IdentifiedAngle, &AngleReadings)| {
+            let [x, y, z, alpha, beta, gamma] = angle.errors;
+            let of_set_up = |(set_up, (&ball, deviation)): (usize, (&Ball, &[f64; 3]))| {
+                let [px, py, pz] = lever(test.axis, readings.angle_rad, ball).unwrap_or_default();
+                let offset = self.errors.offsets_mm.get(set_up).copied().unwrap_or_default();
+                let model = [x + beta * pz - gamma * py, y + gamma * px - alpha * pz, z + alpha * py - beta * px];
+                [0, 1, 2].map(|i| 1e3 * (deviation[i] - model[i] - offset[i]))
+            };
+            test.balls.iter().zip(&readings.deviations_mm).enumerate().map(of_set_up).collect::<Vec<_>>()
+        };
+        self.errors.angles.iter().zip(&test.angles).flat_map(of_angle).collect()
+    }
+
     /// The errors as the axis' table; adds remarks on it to the document's warnings.
     ///
     /// # Errors

@@ -23,7 +23,7 @@ use anyhow::{Result, anyhow, bail};
 use figures::worst;
 use trueaxis::Axis;
 use trueaxis::machine::MachineSettings;
-use trueaxis_metrology::thermal::{Fit, HeldOut, RATE_K_PER_MIN, Series, Settings, fit, held_out};
+use trueaxis_metrology::thermal::{Fit, HeldOut, RATE_K_PER_MIN, Sample, Series, Settings, fit, held_out};
 
 /// A record with its fit.
 #[derive(Clone, Debug)]
@@ -63,6 +63,28 @@ pub fn with_rate(settings: Settings, rate_k_per_min: f64) -> Result<Settings> {
 }
 
 impl FittedRecording {
+    /// Measured minus predicted drift, µm: a row for each row of the record, a value for each of its axes, relative to the first
+    /// row of the cycle at the same measuring point.
+    ///
+    /// Cost: the number of rows times that of measuring points.
+    pub fn residuals_um(&self) -> Vec<Vec<f64>> {
+        let record = &self.recording.record;
+        let mut left: Vec<_> = self.series.iter().map(|own| own.rows.iter()).collect();
+        let mut of_row = |sample: &Sample| {
+            let [x, y, z] = sample.position_mm;
+            let point = [x, y, z, sample.tool_mm].map(f64::to_bits);
+            let mut of_axis = |axis: &Axis| {
+                let own = |own: &Series| {
+                    own.axis == *axis && own.cycle == sample.cycle && own.point_mm.map(f64::to_bits) == point
+                };
+                let row = self.series.iter().position(own).and_then(|place| left[place].next());
+                row.map_or(f64::NAN, |[_, measured, predicted]| 1e3 * (measured - predicted))
+            };
+            record.axes.iter().map(&mut of_axis).collect()
+        };
+        record.samples.iter().map(&mut of_row).collect()
+    }
+
     /// Fits a model and runs the task over the record with it; reports every cause that enters the model to the callback.
     ///
     /// # Errors

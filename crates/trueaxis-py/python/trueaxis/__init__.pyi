@@ -196,6 +196,7 @@ def identify(
     start_mm: Sequence[float] | None = None,
     free_offsets: bool = False,
     table: bool = False,
+    residuals: bool = False,
 ) -> Identification: ...
 def friction(
     record: ArrayLike | Frame | str | PathLike[str] | Readable,
@@ -205,6 +206,7 @@ def friction(
     find_drive: bool = False,
     find_resonance: bool = False,
     read_after_us: float | None = None,
+    residuals: bool = False,
     toml: bool = False,
 ) -> Friction: ...
 def ballbar(
@@ -258,6 +260,7 @@ def thermal_fit(
     hold_out: Sequence[int] = ...,
     without: Sequence[str] = ...,
     rate_k_per_min: float = ...,
+    residuals: bool = False,
     toml: bool = False,
 ) -> ThermalFit: ...
 def thermal_compile(thermal: ThermalFit | str | PathLike[str], *, machine: Machine) -> bytes: ...

@@ -906,6 +906,8 @@ class Identification(Result):
         Decision on every value found, if a machine is given: key, old, found, written, why.
     table : str
         The axis' table as CSV text, with `table=True`.
+    residuals_um : NDArray[np.float64]
+        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading, a measured point or a sample.
     """
 
     __slots__ = ()
@@ -922,6 +924,7 @@ class Identification(Result):
     warnings: tuple[str, ...]
     written: tuple[Section, ...]
     table: str
+    residuals_um: NDArray[np.float64]
 
 
 class Errors(Section):
@@ -1099,6 +1102,10 @@ class Friction(Result):
         Decision on every value found, if a machine is given: key, old, found, written, why.
     toml : str
         Text of the settings found, with `toml=True`.
+    residuals_um : NDArray[np.float64]
+        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading, a measured point or a sample.
+    residuals_t_s : NDArray[np.float64]
+        Times of the residuals, with `residuals=True`.
     """
 
     __slots__ = ()
@@ -1110,6 +1117,8 @@ class Friction(Result):
     warnings: tuple[str, ...]
     written: tuple[Section, ...]
     toml: str
+    residuals_um: NDArray[np.float64]
+    residuals_t_s: NDArray[np.float64]
 
 
 class Sensor(Section):
@@ -1307,6 +1316,8 @@ class ThermalFit(Result):
         Largest drift of the held-out cycles, µm, and largest residual.
     toml : str
         Text of the settings found, with `toml=True`.
+    residuals_um : NDArray[np.float64]
+        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading, a measured point or a sample.
     """
 
     __slots__ = ()
@@ -1324,6 +1335,7 @@ class ThermalFit(Result):
     cycles: tuple[Cycle, ...]
     held_out_um: NDArray[np.float64]
     toml: str
+    residuals_um: NDArray[np.float64]
 
 
 class SolvedTerm(Section):
@@ -1437,7 +1449,7 @@ class Calibration(Result):
     files : Section
         Changed files of the machine as texts, by name, with `files=True`.
     residuals_um : NDArray[np.float64]
-        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test or a measured point.
+        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading, a measured point or a sample.
     """
 
     __slots__ = ()
@@ -2214,7 +2226,7 @@ class RTest(Result):
     written : tuple[Section, ...]
         Decision on every value found, if a machine is given: key, old, found, written, why.
     residuals_um : NDArray[np.float64]
-        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test or a measured point.
+        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading, a measured point or a sample.
     """
 
     __slots__ = ()
@@ -2356,7 +2368,7 @@ class MeasuredPoints(Result):
     notes : tuple[str, ...]
         Remarks on the result.
     residuals_um : NDArray[np.float64]
-        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading of an R-test or a measured point.
+        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading, a measured point or a sample.
     """
 
     __slots__ = ()
