@@ -4,7 +4,7 @@
     document_types.py            writes the file
     document_types.py --check    fails where it is not what the sources give
 
-A field that is a document gets a type of its own; a field of any other type that is not simple becomes `Any`.
+A field that is a document gets its own type; a field of any other type that is not simple becomes `Any`.
 """
 
 import keyword

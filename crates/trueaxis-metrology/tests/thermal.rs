@@ -28,7 +28,7 @@ fn warm_up(duty: &[[u32; 6]], hot_rpm: f64, seed: u64, noise_um: f64) -> Record 
     recorded_every(120, duty, hot_rpm, seed, noise_um)
 }
 
-/// The same warm-up with a row of every point each `every_s`.
+/// The same warm-up, with one row for every measuring point each `every_s` seconds.
 fn recorded_every(every_s: u32, duty: &[[u32; 6]], hot_rpm: f64, seed: u64, noise_um: f64) -> Record {
     let mut noise = Noise::new(seed);
     let mut samples = Vec::new();

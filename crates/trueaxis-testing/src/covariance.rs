@@ -12,7 +12,7 @@ pub fn at(document: &Value, path: &str) -> f64 {
     document.pointer(&pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} not in {document}"))
 }
 
-/// Checks that the estimates of a covariance are the values printed, that its diagonal are the squares of their standard errors,
+/// Checks that the estimates of a covariance are the values printed, that its diagonal has the squares of their standard errors,
 /// and that it is symmetric; `printed` gives value and standard error by name. Returns the names.
 ///
 /// # Panics

@@ -80,7 +80,7 @@ pub struct CalibrationDocument {
     pub signal_um: f64,
     /// Every term.
     pub terms: Vec<SolvedTerm>,
-    /// Covariance of the terms; its diagonal are the squares of their standard errors.
+    /// Covariance of the terms; its diagonal has the squares of their standard errors.
     pub covariance: CovarianceDocument,
     /// Location errors found, `C0Y_urad`, `EX0C_um`.
     pub location: BTreeMap<String, f64>,

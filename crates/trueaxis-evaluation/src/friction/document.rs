@@ -14,7 +14,7 @@ pub struct FrictionDocument {
     pub period_s: f64,
     /// Both axes, in the requested order.
     pub axes: Vec<AxisFound>,
-    /// Covariance of the figures fitted, by names as `X.coulomb_mm_per_s`; its diagonal are the squares of their standard errors.
+    /// Covariance of the figures fitted, by names as `X.coulomb_mm_per_s`; its diagonal has the squares of their standard errors.
     /// It is conditional on the figures that were fixed or stated; the axes are fitted separately, so that figures of one have
     /// none with those of the other. Figures of the resonance come from a second fit, and are not in it.
     pub covariance: CovarianceDocument,

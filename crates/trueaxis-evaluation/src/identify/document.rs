@@ -60,7 +60,7 @@ pub struct Angle {
     pub rank: u8,
     standard_errors: Map<String, Value>,
     expanded_uncertainties: Map<String, Value>,
-    /// Covariance of the errors at this angle; its diagonal are the squares of their standard errors. Errors of different angles
+    /// Covariance of the errors at this angle; its diagonal has the squares of their standard errors. Errors of different angles
     /// are independent if the offsets are known; free offsets correlate them too, which it does not show.
     pub covariance: CovarianceDocument,
     /// The errors, µm and µrad.

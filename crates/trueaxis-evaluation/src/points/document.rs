@@ -58,7 +58,7 @@ pub struct PointsDocument {
     pub functions: Vec<Function>,
     /// Squareness.
     pub squareness: Squareness,
-    /// Covariance of the squarenesses; its diagonal are the squares of their standard errors. The errors of the axes have too
+    /// Covariance of the squarenesses; its diagonal has the squares of their standard errors. The errors of the axes have too
     /// many nodes for a matrix.
     pub covariance: CovarianceDocument,
     /// Angular errors that the points do not determine, left at zero.

@@ -31,7 +31,7 @@ pub struct RTestDocument {
     pub range_um: [f64; 3],
     /// Location errors found.
     pub terms: Vec<Term>,
-    /// Covariance of the location errors; its diagonal are the squares of their standard errors.
+    /// Covariance of the location errors; its diagonal has the squares of their standard errors.
     pub covariance: CovarianceDocument,
     /// Offsets of the balls from their commanded places, workpiece's frame.
     pub balls_um: Vec<[f64; 3]>,

@@ -19,7 +19,7 @@ pub struct ThermalDocument {
     pub spindle_lag_s: Option<f64>,
     /// Curves of each axis.
     pub axes: Vec<AxisDocument>,
-    /// Covariance of the curves of all axes, by names as `Z.nose.offset_um[0]`; its diagonal are the squares of their standard
+    /// Covariance of the curves of all axes, by names as `Z.nose.offset_um[0]`; its diagonal has the squares of their standard
     /// errors. Values without one are not in it. It is conditional on the sensors and bends chosen, and includes the lags.
     pub covariance: CovarianceDocument,
     /// Sensors that are not part of the model.

@@ -93,7 +93,7 @@ pub struct Term {
 pub struct Evaluation {
     /// All fitted causes; periodic errors only if detected.
     pub terms: Vec<Term>,
-    /// Covariance of the terms, in their order and units; its diagonal are the squares of their standard errors.
+    /// Covariance of the terms, in their order and units; its diagonal has the squares of their standard errors.
     ///
     /// Like these, it is an average over the widths and shapes of spikes that the readings allow: the covariance within each
     /// fit, and that between the fits. It is conditional on the pitches and on the readings left out for play. Spikes of another

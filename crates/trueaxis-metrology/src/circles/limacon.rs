@@ -82,8 +82,8 @@ impl Turn {
         Self(Directions::equidistant(points))
     }
 
-    /// The four circles of a profile: least squares, minimum zone, maximum inscribed, minimum circumscribed. The same as one by
-    /// one; what they share is computed once.
+    /// Returns the four circles of a profile: least squares, minimum zone, maximum inscribed, minimum circumscribed. They equal
+    /// the circles computed one by one; what they share is computed once.
     ///
     /// # Errors
     ///

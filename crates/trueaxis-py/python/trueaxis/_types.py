@@ -863,7 +863,7 @@ class Angle(Section):
     expanded_uncertainties : Section
         
     covariance : Covariance
-        Covariance of the errors at this angle; its diagonal are the squares of their standard errors. Errors of different angles are independent if the offsets are known; free offsets correlate them too, which it does not show.
+        Covariance of the errors at this angle; its diagonal has the squares of their standard errors. Errors of different angles are independent if the offsets are known; free offsets correlate them too, which it does not show.
     """
 
     __slots__ = ()
@@ -1095,7 +1095,7 @@ class Friction(Result):
     axes : tuple[AxisFound, ...]
         Both axes, in the requested order.
     covariance : Covariance
-        Covariance of the figures fitted, by names as `X.coulomb_mm_per_s`; its diagonal are the squares of their standard errors. It is conditional on the figures that were fixed or stated; the axes are fitted separately, so that figures of one have none with those of the other. Figures of the resonance come from a second fit, and are not in it.
+        Covariance of the figures fitted, by names as `X.coulomb_mm_per_s`; its diagonal has the squares of their standard errors. It is conditional on the figures that were fixed or stated; the axes are fitted separately, so that figures of one have none with those of the other. Figures of the resonance come from a second fit, and are not in it.
     warnings : tuple[str, ...]
         Figures that the record does not determine, and the values at which they are fixed.
     written : tuple[Section, ...]
@@ -1301,7 +1301,7 @@ class ThermalFit(Result):
     axes : tuple[Axis, ...]
         Curves of each axis.
     covariance : Covariance
-        Covariance of the curves of all axes, by names as `Z.nose.offset_um[0]`; its diagonal are the squares of their standard errors. Values without one are not in it. It is conditional on the sensors and bends chosen, and includes the lags.
+        Covariance of the curves of all axes, by names as `Z.nose.offset_um[0]`; its diagonal has the squares of their standard errors. Values without one are not in it. It is conditional on the sensors and bends chosen, and includes the lags.
     left_out : tuple[LeftOut, ...]
         Sensors that are not part of the model.
     unconfirmed : tuple[Unconfirmed, ...]
@@ -1427,7 +1427,7 @@ class Calibration(Result):
     terms : tuple[SolvedTerm, ...]
         Every term.
     covariance : Covariance
-        Covariance of the terms; its diagonal are the squares of their standard errors.
+        Covariance of the terms; its diagonal has the squares of their standard errors.
     location : Section
         Location errors found, `C0Y_urad`, `EX0C_um`.
     axes : Section
@@ -2200,7 +2200,7 @@ class RTest(Result):
     terms : tuple[RTestTerm, ...]
         Location errors found.
     covariance : Covariance
-        Covariance of the location errors; its diagonal are the squares of their standard errors.
+        Covariance of the location errors; its diagonal has the squares of their standard errors.
     balls_um : tuple[NDArray[np.float64], ...]
         Offsets of the balls from their commanded places, workpiece's frame.
     sensor_um : NDArray[np.float64] | None
@@ -2334,7 +2334,7 @@ class MeasuredPoints(Result):
     squareness : Squareness
         Squareness.
     covariance : Covariance
-        Covariance of the squarenesses; its diagonal are the squares of their standard errors. The errors of the axes have too many nodes for a matrix.
+        Covariance of the squarenesses; its diagonal has the squares of their standard errors. The errors of the axes have too many nodes for a matrix.
     unseen : tuple[str, ...]
         Angular errors that the points do not determine, left at zero.
     before : Left
