@@ -462,24 +462,18 @@ fn a_link_stays_one_wherever_it_leads() {
     assert_eq!(through.stdout, fs::read(directory.join("kept.tcomp")).unwrap());
 }
 
+/// Makes a machine of a LinuxCNC file for X in mm.
+fn import_of_x(directory: &Folder, file: &str, machine: &str) {
+    let from = ["tables", "import", "--from", "linuxcnc-0", "--unit", "mm"];
+    directory.reported(&[&from[..], &[file, "--axis", "X", "-o", machine]].concat());
+}
+
 /// A figure is written with the digits that were read, and zero has no sign.
 #[test]
 fn figures_have_the_digits_that_they_came_with() {
     let directory = Folder::new(TRUEAXIS);
     directory.write("new.comp", "-100 -100 -100\n10 10.016312 10.016312\n1000 999.9837 999.9837\n");
-    directory.reported(&[
-        "tables",
-        "import",
-        "--from",
-        "linuxcnc-0",
-        "--unit",
-        "mm",
-        "new.comp",
-        "--axis",
-        "X",
-        "-o",
-        "n",
-    ]);
+    import_of_x(&directory, "new.comp", "n");
     assert_eq!(directory.read("n/x.csv"), "X_mm,EXX_um\n-100,0\n10,16.312\n1000,-16.3\n");
     let mill = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../compensation-tables/mill-5axis");
     directory.reported(&["tables", "collapse", mill.to_str().unwrap(), "-o", "c"]);
@@ -494,19 +488,7 @@ fn figures_have_the_digits_that_they_came_with() {
 fn notes_on_exported_files_name_the_files_that_were_written() {
     let directory = Folder::new(TRUEAXIS);
     directory.write("x.comp", "-100 -99.999 -99.998\n10 10.0163 10.0163\n");
-    directory.reported(&[
-        "tables",
-        "import",
-        "--from",
-        "linuxcnc-0",
-        "--unit",
-        "mm",
-        "x.comp",
-        "--axis",
-        "X",
-        "-o",
-        "m",
-    ]);
+    import_of_x(&directory, "x.comp", "m");
     let export = |to| ["tables", "export", "--to", to, "m", "--drop", "-o", "screw.comp"];
     let said = directory.reported(&export("linuxcnc-0"));
     assert!(said.contains("note: COMP_FILE = screw.comp and"), "{said}");
