@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import fs from "node:fs";
 import path from "node:path";
 import { after, test } from "node:test";
-import { closeBrowser, GROUPS, openDesk, root, view } from "./harness.mjs";
+import { closeBrowser, GROUPS, openDesk, root, settled, view } from "./harness.mjs";
 
 after(closeBrowser);
 
@@ -29,9 +29,8 @@ for (const width of [1440, 390])
       await page.evaluate(AXE);
       const found = [];
       for (const name of [...Object.values(GROUPS).flat(), "About"]) {
-        await view(page, name);
-        // The samples are evaluated.
-        await page.waitForTimeout(1500);
+        const panel = await view(page, name);
+        if (name !== "About") await settled(panel);
         found.push(...(await serious(page)).map((one) => `${name}: ${one}`));
       }
       assert.deepEqual(found, []);

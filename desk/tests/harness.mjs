@@ -145,6 +145,18 @@ export async function saved(page, locator) {
   return { name: download.suggestedFilename(), bytes: fs.readFileSync(await download.path()) };
 }
 
+/** Waits until a view has something to show and no longer changes, for 5 s at most: the scope runs on. */
+export async function settled(panel) {
+  await panel.locator("canvas:visible, svg:visible, tbody tr:visible").first().waitFor();
+  const look = () => panel.evaluate((view) => `${view.scrollHeight} ${view.innerText}`);
+  for (let [before, same, tries] = ["", 0, 0]; same < 3 && tries < 25; tries += 1) {
+    const now = await look();
+    same = now === before ? same + 1 : 0;
+    before = now;
+    await panel.page().waitForTimeout(200);
+  }
+}
+
 /** Saves a picture for people to look at. */
 export async function shot(page, name, fullPage = false) {
   fs.mkdirSync(path.join(root, "desk/shots"), { recursive: true });

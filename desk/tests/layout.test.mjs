@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { after, test } from "node:test";
-import { closeBrowser, GROUPS, openDesk, shot, view } from "./harness.mjs";
+import { closeBrowser, GROUPS, openDesk, settled, shot, view } from "./harness.mjs";
 
 after(closeBrowser);
 
@@ -19,18 +19,14 @@ for (const width of [1440, 1024, 390])
       const { page, close } = await openDesk({ width, dark });
       for (const name of VIEWS) {
         const panel = await view(page, name);
-        // The samples are evaluated, and the plots follow the width.
-        await page.waitForTimeout(1500);
+        // No empty room: a plot, a picture or a table.
+        await settled(panel);
         const wide = await page.evaluate(() => {
           const page = document.documentElement;
           const beyond = [...document.querySelectorAll("body *")].filter((one) => one.checkVisibility() && one.getBoundingClientRect().right > page.clientWidth + 1);
           return { by: page.scrollWidth - page.clientWidth, first: beyond.slice(0, 4).map((one) => `${one.tagName} ${one.className} ${one.textContent.slice(0, 30)}`) };
         });
         assert.ok(wide.by <= 0, `${name}: ${wide.by} px wider than the page: ${wide.first.join("; ")}`);
-        // No empty room: a plot, a picture or a table.
-        const filled = panel.locator("canvas:visible, svg:visible, tbody tr:visible");
-        // A simulated sample takes longer on a busy computer; an empty view fails by the time limit.
-        await filled.first().waitFor();
         await shot(page, `${name.toLowerCase().replaceAll(" ", "-")}-${width}${dark ? "-dark" : ""}`, true);
       }
       await close();
@@ -71,7 +67,7 @@ test("on a phone a finger hits every control, and a view is one column", async (
   const { page, close } = await openDesk({ width: 390 });
   for (const name of VIEWS) {
     const panel = await view(page, name);
-    await page.waitForTimeout(800);
+    await settled(panel);
     const small = await page.evaluate((least) => {
       const targets = [...document.querySelectorAll("button, select, summary, .picker, .tick, input:not([type='file'], [type='checkbox'])")].filter((one) => one.checkVisibility());
       const sizes = targets.map((one) => [one, one.getBoundingClientRect()]);

@@ -235,7 +235,9 @@ export class Plot {
       ctx.moveTo(at, bbox.top);
       ctx.lineTo(at, bbox.top + bbox.height);
       ctx.stroke();
-      ctx.fillText(text, at + 3 * devicePixelRatio, bbox.top + 11 * devicePixelRatio);
+      const fits = at + ctx.measureText(text).width + 6 * devicePixelRatio <= bbox.left + bbox.width;
+      ctx.textAlign = fits ? "left" : "right";
+      ctx.fillText(text, at + (fits ? 3 : -3) * devicePixelRatio, bbox.top + 11 * devicePixelRatio);
     }
     ctx.restore();
   }

@@ -17,6 +17,8 @@ const SIZE = 340;
 const RADIUS = 74;
 /** Distance from the circle at which the largest deviation is drawn. */
 const REACH = 62;
+/** Half the length of the axes. */
+const END = RADIUS + REACH + 8;
 /** Angles further apart than this are not joined, degrees. */
 const GAP = 5;
 
@@ -74,9 +76,11 @@ export class Polar {
     const id = unique("polar");
     this.factor = REACH / most;
     const picture = draw("svg", { viewBox: `${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`, "aria-hidden": "true" });
-    this.grid(picture, step(most), most, axes);
+    const rings = [-4, -3, -2, -1, 0, 1, 2, 3, 4].map((k) => k * step(most)).filter((value) => Math.abs(value) <= most * 1.02);
+    this.grid(picture, rings);
     for (const one of series)
       picture.append(draw("path", { d: this.path(one), fill: "none", stroke: `var(--${one.colour})`, "stroke-width": 1.5, "stroke-dasharray": one.dash ?? "none", "stroke-linejoin": "round" }));
+    this.labels(picture, rings, step(most), axes);
     picture.append(this.cursor);
     const words = series.map(({ name, value_um }) => `${name}: ${significant(Math.min(...value_um), 3)} to ${significant(Math.max(...value_um), 3)} µm`).join("; ");
     const area = el("div", { class: "dial", tabindex: 0, role: "img", "aria-labelledby": id, "aria-description": words, onkeydown: (event: KeyboardEvent) => this.key(event) });
@@ -106,19 +110,19 @@ export class Polar {
     return parts.join("");
   }
 
-  private grid(picture: SVGElement, ring: number, most: number, [first, second]: readonly [string, string]): void {
-    const end = RADIUS + REACH + 8;
-    for (const [x, y] of [[1, 0], [0, 1]] as const)
-      picture.append(draw("line", { x1: -end * x, x2: end * x, y1: -end * y, y2: end * y, class: "ring" }));
-    for (let k = -4; k <= 4; k++) {
-      if (Math.abs(k * ring) > most * 1.02) continue;
-      picture.append(draw("circle", { r: RADIUS + this.factor * k * ring, class: k === 0 ? "nominal" : "ring" }));
-      const [x, y] = this.place(45, k * ring);
-      if (k !== 0) picture.append(draw("text", { x, y, class: "scale" }, `${k > 0 ? "+" : "−"}${significant(Math.abs(k * ring), 1)}`));
+  private grid(picture: SVGElement, rings: number[]): void {
+    for (const [x, y] of [[END, 0], [0, END]] as const) picture.append(draw("line", { x1: -x, x2: x, y1: -y, y2: y, class: "ring" }));
+    for (const value of rings) picture.append(draw("circle", { r: RADIUS + this.factor * value, class: value === 0 ? "nominal" : "ring" }));
+  }
+
+  private labels(picture: SVGElement, rings: number[], ring: number, [first, second]: readonly [string, string]): void {
+    for (const value of rings.filter((value) => value !== 0)) {
+      const [x, y] = this.place(45, value);
+      picture.append(draw("text", { x, y, class: "scale" }, `${value > 0 ? "+" : "−"}${significant(Math.abs(value), 1)}`));
     }
     picture.append(
-      draw("text", { x: end + 3, y: 4 }, `+${first}`),
-      draw("text", { x: 0, y: -end - 4, "text-anchor": "middle" }, `+${second}`),
+      draw("text", { x: END + 3, y: 4 }, `+${first}`),
+      draw("text", { x: 0, y: -END - 4, "text-anchor": "middle" }, `+${second}`),
       draw("text", { x: 0, y: 4, "text-anchor": "middle", class: "scale" }, `rings of ${significant(ring, 1)} µm`),
     );
   }

@@ -20,6 +20,9 @@ export function tabled({ caption, header, rows, bars: column }: Table): HTMLElem
   return of;
 }
 
+/** Tables of a result; those without rows are left out, as on the command line. */
+export const tabledAll = (tables: Table[]): HTMLElement[] => tables.filter(({ rows }) => rows.length > 0).map(tabled);
+
 /** A result in a sentence, above its plots and tables. */
 export class Sentence {
   readonly root = el("p", { class: "result", hidden: true });
@@ -32,7 +35,7 @@ export class Sentence {
 
 /** Notes and tables of a result. */
 export function showTables(host: HTMLElement, shown: Shown): void {
-  host.replaceChildren(notes("Notes", shown.notes, "warning"), ...shown.tables.map(tabled));
+  host.replaceChildren(notes("Notes", shown.notes, "warning"), ...tabledAll(shown.tables));
 }
 
 /**

@@ -2,7 +2,7 @@
 
 import { el, notes, numberField, section, table, type Cell } from "../core/dom";
 import { cell, fixed } from "../core/number";
-import { tabled } from "../core/shown";
+import { tabled, tabledAll } from "../core/shown";
 import { length, micro, type Shown } from "./document";
 import type { Editor } from "./editor";
 
@@ -111,7 +111,7 @@ function iso({ measurements, accuracy }: Shown): HTMLElement[] {
   const parts = measurements.flatMap(({ file, figures, refused }) => {
     if (!figures) return [el("p", {}, refused ?? file)];
     const [first, ...others] = figures.tables;
-    return [tabled({ ...first!, caption: `${file}: ${figures.title}, ${figures.summary.join(", ")}` }), ...others.map(tabled), notes("Notes", figures.notes)];
+    return [tabled({ ...first!, caption: `${file}: ${figures.title}, ${figures.summary.join(", ")}` }), ...tabledAll(others), notes("Notes", figures.notes)];
   });
   return accuracy.header.length > 1 ? [...parts, tabled(accuracy)] : parts;
 }
