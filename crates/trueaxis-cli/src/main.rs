@@ -103,7 +103,7 @@ enum Command {
     /// Evaluate roundness and spindle error from the readings of three probes.
     #[command(before_help = roundness::EXAMPLE, after_help = roundness::HELP)]
     Roundness(roundness::RoundnessArgs),
-    /// Find the best angles of three probes, or the noise gain of a given pair.
+    /// Find the best places of three to six probes, or the noise gain of given ones.
     #[command(before_help = probe_angles::EXAMPLE, after_help = probe_angles::HELP)]
     ProbeAngles(probe_angles::ProbeAnglesArgs),
     /// Fit the least-squares, minimum zone, maximum inscribed and minimum circumscribed circle to points.

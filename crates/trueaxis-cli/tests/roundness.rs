@@ -429,3 +429,66 @@ fn contradictory_probes_are_reported() {
     let centred = warned(&directory, 4, [1.0, -1.0, 1.0], 0.0);
     assert!(centred.last().unwrap().contains("differs from revolution to revolution by"), "{centred:?}");
 }
+
+#[test]
+fn places_of_more_probes_are_found_within_limits() {
+    let directory = Folder::new(TRUEAXIS);
+    let common = ["probe-angles", "--n=128", "--harmonics=2..40", "--starts=60", "--count=2", "--json"];
+    let found = |more: &[&'static str]| directory.json(&[&common[..], more].concat());
+    let worst = |document: &Value| document["best"][0]["worst_noise_gain"].as_f64().unwrap();
+    let by_count = ["--probes=3", "--probes=4", "--probes=5", "--probes=6"].map(|probes| worst(&found(&[probes])));
+    assert!(by_count.windows(2).all(|two| two[1] < two[0]), "{by_count:?}");
+    // Three probes: no better than the search over all pairs.
+    let pairs = directory.json(&["probe-angles", "--n=128", "--harmonics=2..40", "--count=1", "--json"]);
+    assert!(by_count[0] >= worst(&pairs) * (1.0 - 1e-9), "{by_count:?} {pairs}");
+
+    let angles = |places: &Value| -> Vec<f64> {
+        places["angles_deg"].as_array().unwrap().iter().map(|angle| angle.as_f64().unwrap()).collect()
+    };
+    let limited = found(&["--probes=4", "--apart-deg=25", "--within-deg=170", "--angles-deg=0,31,77,160"]);
+    for places in limited["best"].as_array().unwrap() {
+        let mut angles = angles(places);
+        angles.push(angles[0] + 360.0);
+        let gaps: Vec<f64> = angles.windows(2).map(|two| two[1] - two[0]).collect();
+        assert!(gaps.iter().all(|gap| *gap >= 25.0) && gaps.iter().any(|gap| 360.0 - gap <= 170.0), "{gaps:?}");
+    }
+    let given = &limited["given"];
+    assert_eq!(angles(given), [0.0, 31.0, 77.0, 160.0]);
+    assert_eq!(given["noise_gains"].as_array().unwrap().len(), 39);
+    close(&given["share_of_best"], worst(&limited) / given["worst_noise_gain"].as_f64().unwrap(), 1e-9);
+    // Only three of the probes at 0, 31, 77, 160°: four arrangements, by the gain of pairs.
+    let left = [["46", "83"], ["77", "83"], ["31", "129"], ["31", "46"]].map(|[phi2, phi3]| {
+        let pair = ["--harmonics=2..40", "--count=1", "--json", "--phi2-deg", phi2, "--phi3-deg", phi3];
+        directory.json(&[&["probe-angles", "--n=128"][..], &pair].concat())["pair"]["worst_noise_gain"]
+            .as_f64()
+            .unwrap()
+    });
+    close(&given["worst_without_one"], left.into_iter().fold(0.0, f64::max), 1e-9);
+    let table = directory.good(&[
+        "probe-angles",
+        "--n=128",
+        "--probes=4",
+        "--starts=1",
+        "--count=1",
+        "--angles-deg=0,31,77,160",
+    ]);
+    assert!(table.contains("0.000, 31.000, 77.000, 160.000") && table.contains("% of the best gain"), "{table}");
+}
+
+#[test]
+fn bad_places_of_probes_are_refused() {
+    let directory = Folder::new(TRUEAXIS);
+    let bad =
+        |more: &[&'static str], words: &[&str]| directory.bad(&[&["probe-angles", "--n=128"], more].concat(), words);
+    bad(&["--probes=2"], &["--probes: found 2", "3 to 6"]);
+    bad(&["--probes=4", "--p=3", "--q=5"], &["--probes", "--p"]);
+    bad(&["--probes=4", "--angles-deg=0,40,90"], &["--angles-deg: found 3 angles", "needed 4"]);
+    bad(&["--angles-deg=0,40,40,90"], &["--angles-deg, probe 3: found 40", "a place of its own"]);
+    bad(&["--angles-deg=0,nan,90"], &["--angles-deg, probe 2: found NaN"]);
+    bad(&["--angles-deg=0,90,180,270"], &["cannot see harmonics 3, 5, 7"]);
+    bad(&["--probes=4", "--apart-deg=91"], &["--apart-deg: found 91", "at most 90", "4 probes"]);
+    bad(&["--probes=4", "--apart-deg=40", "--within-deg=100"], &["--apart-deg: found 40", "33.3333", "--within-deg"]);
+    bad(&["--apart-deg=-3"], &["--apart-deg: found -3", "above 0"]);
+    bad(&["--within-deg=361"], &["--within-deg: found 361"]);
+    bad(&["--probes=4", "--starts=0"], &["--starts: found 0"]);
+}

@@ -27,6 +27,7 @@ pub mod path;
 pub mod points;
 pub mod positions;
 pub mod probe_angles;
+pub mod probe_places;
 pub mod probes;
 pub mod probing;
 pub mod r_test;

@@ -17,7 +17,8 @@
 //! - [`learning`]: a correction over path length, learned from part to part.
 //! - [`circles`]: exact reference circles (LSC, MZC, MIC, MCC).
 //! - [`separation`]: roundness and motion of the centre from recorded probe readings; [`spindle`]: error motion of a spindle
-//!   over its revolutions; [`pair_search`]: the best slots for three probes.
+//!   over its revolutions; [`pair_search`]: the best slots for three probes; [`probe_places`]: the best places
+//!   of three to six.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -51,6 +52,8 @@ pub mod linear_fit;
 pub mod order;
 #[cfg(feature = "std")]
 pub mod pair_search;
+#[cfg(feature = "std")]
+pub mod probe_places;
 #[cfg(feature = "separation")]
 pub mod separation;
 #[cfg(feature = "std")]
