@@ -9,9 +9,13 @@
 
 mod document;
 mod found;
+mod plane;
 mod record;
 mod shown;
 
 pub use document::{Function, Left, PointsDocument, Squareness};
 pub use found::{Options, PointsFit, identify, nodes};
+pub use plane::{
+    CandidateDocument, Grid, LEVEL, PlaneDocument, PlaneErrors, PlaneFit, PlaneTerm, Tables, Transfer, identify_plane,
+};
 pub use record::{COLUMNS, Point, Points};
