@@ -15,7 +15,9 @@ use trueaxis_tables::output::Outputs;
 pub(crate) const EXAMPLE: &str = "\
 Example:
   trueaxis evaluate points records/tracer.csv \\
-      --machine compensation-tables/mill-3axis";
+      --machine compensation-tables/mill-3axis
+  trueaxis evaluate points plate.csv --against second-plate.csv \\
+      --machine mill -o mill-measured";
 
 pub(crate) const HELP: &str = "\
 POINTS.csv has one row a point, with the columns:
@@ -38,6 +40,18 @@ named; --without omits an angular error.
 Second differences of the tables are held at zero with a thousandth of a reading's weight, which binds nodes without \
 points and moves no other. One point in ten is excluded from a first fit; the error that it leaves at those points \
 is the figure to trust.
+
+Points in a plane, or along lines of it (a plate on a coordinate measuring machine, a scale under a camera, a printed \
+grid), show the errors of the two axes in that plane. The models compared are the placement of the plate alone; affine \
+(two scales and squareness); affine with four tables, one for each axis and direction; maps: polynomials of degree 2 to \
+8. Each predicts every tenth of the points from the others (parts drawn at random by a fixed seed). Chosen is the model \
+with the fewest unknowns whose mean squared error at held-out points exceeds the smallest by no more than one standard \
+error of the difference. Everything else that the machine states is subtracted first and stays. A map is written as a \
+grid and holds the value of the nearest edge beyond the points. If no model predicts better than the placement alone, \
+nothing is written.
+--against OTHER.csv applies the errors to a second record (another plate, another day), aligned rigidly with and without \
+them. They transfer if they reduce its squared residuals, summed over 16 areas, more than 95 % of all changes of the \
+areas' signs would (permutation test, level 0.05). If they do not, nothing is written.
 
 -o writes the machine of --machine with these tables and squarenesses, model volumetric, into a separate folder. The \
 following command then gives back the measured errors without the instrument's placement:

@@ -152,7 +152,10 @@ fn basis(points: &Points, bare: &Machine, options: &Options) -> Result<(Basis, V
     let ends: [[f64; 2]; 3] = [0, 1, 2].map(|axis| range(along(axis)));
     for (axis, [low, high]) in ends.into_iter().enumerate() {
         if high - low < 1e-3 {
-            bail!("column {}: found all points at {low}, needed points along every axis", super::COLUMNS[axis].name);
+            bail!(
+                "column {}: found all points at {low}, needed points along every axis; points in a plane: trueaxis evaluate points",
+                super::COLUMNS[axis].name
+            );
         }
     }
     let nodes_mm = [0, 1, 2].map(|axis| {

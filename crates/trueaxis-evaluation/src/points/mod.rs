@@ -4,6 +4,8 @@
 //! POINTS.csv ─► Points ─► fit ─► PointsFit: document, machine
 //! ```
 //!
+//! Points in a plane or along lines show fewer errors: [`identify_plane`] compares models of them by held-out points.
+//!
 //! The mathematics is in [`trueaxis_metrology::volumetric`]; the effect of a unit error on the tip comes from the machine's
 //! own volumetric model.
 

@@ -105,7 +105,8 @@ impl PlaneDocument {
             PlaneErrors::Tables(tables) => nodes = [0, 1].map(|k| tables.nodes_mm[k].len()),
             PlaneErrors::Grid(grid) => {
                 nodes = [0, 1].map(|k| grid.nodes_mm[k].len());
-                map_um = Some([0, 1].map(|k| 1e3 * grid.values.iter().fold(0.0, |most: f64, of| most.max(of[k].abs()))));
+                map_um =
+                    Some([0, 1].map(|k| 1e3 * grid.values.iter().fold(0.0, |most: f64, of| most.max(of[k].abs()))));
                 grid_off_um = Some(1e3 * grid.off_mm);
             }
         }
@@ -203,8 +204,11 @@ fn terms(found: &PlaneFit) -> (Vec<PlaneTerm>, Vec<Function>) {
 fn left_alone(found: &PlaneFit) -> Vec<String> {
     let others = LINEAR.iter().filter(|axis| !found.axes.contains(&axis.index())).map(|axis| axis.letter());
     let other: String = others.collect();
-    let mut left: Vec<String> =
-        found.letters().iter().flat_map(|axis| format!("{other}ABC").chars().map(|of| format!("E{of}{axis}")).collect::<Vec<_>>()).collect();
+    let mut left: Vec<String> = found
+        .letters()
+        .iter()
+        .flat_map(|axis| format!("{other}ABC").chars().map(|of| format!("E{of}{axis}")).collect::<Vec<_>>())
+        .collect();
     left.push(format!("axis {other}"));
     left
 }
@@ -219,8 +223,12 @@ fn notes(found: &PlaneFit) -> Vec<String> {
         left_alone(found).join(" ")
     ));
     match &found.errors {
-        PlaneErrors::None => notes.push("no model predicts held-out points better than the placement alone: nothing to write".into()),
-        PlaneErrors::Grid(_) => notes.push("beyond the measured points the map holds the value of the nearest edge".into()),
+        PlaneErrors::None => {
+            notes.push("no model predicts held-out points better than the placement alone: nothing to write".into())
+        }
+        PlaneErrors::Grid(_) => {
+            notes.push("beyond the measured points the map holds the value of the nearest edge".into())
+        }
         PlaneErrors::Tables(_) => {}
     }
     notes.extend(found.transfer.iter().map(Transfer::sentence));

@@ -111,7 +111,10 @@ fn tables(fitted: &Fitted, nodes_mm: [Vec<f64>; 2], reference: [f64; 2]) -> (Pla
     let at = [0, 1].map(|k| fitted.combined(k, &zero)[0]);
     let shift = [at[0] - along_u * reference[1], at[1] - turn * reference[0]];
     let scale = [slope(0, 0), slope(1, 1)];
-    (PlaneErrors::Tables(Box::new(Tables { nodes_mm, errors, standard_errors, shear, scale })), [shift[0], shift[1], turn])
+    (
+        PlaneErrors::Tables(Box::new(Tables { nodes_mm, errors, standard_errors, shear, scale })),
+        [shift[0], shift[1], turn],
+    )
 }
 
 /// The coarsest grid that follows the map at the points. `error` takes the placement off the model's value at a position.

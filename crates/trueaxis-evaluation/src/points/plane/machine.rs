@@ -4,7 +4,7 @@ use super::model::PlanePoint;
 use super::{LINEAR, PlaneErrors};
 use crate::points::Points;
 use crate::points::found::{place, range, rounded, with_tool};
-use crate::response::tip_errors;
+use crate::response::own_tip_errors;
 use anyhow::{Result, anyhow, bail};
 use trueaxis::machine::{LocationErrors, Row, Twist};
 use trueaxis_metrology::volumetric::hats;
@@ -32,11 +32,14 @@ fn set_squareness(location: &mut LocationErrors, axes: [usize; 2], value: f64) {
 /// grids of these translations over these axes, and play.
 fn rest(machine: &Machine, axes: [usize; 2]) -> Machine {
     let mut rest = machine.clone();
+    rest.settings.compensation.orientation = false;
     set_squareness(&mut rest.settings.location, axes, 0.0);
     rest.grids.retain(|grid| !replaces(grid, axes));
     for (own, table) in rest.settings.axes.iter_mut().zip(&mut rest.tables) {
         own.backlash = 0.0;
-        let Some(table) = table.as_mut().filter(|_| axes.map(|axis| LINEAR[axis]).contains(&own.axis)) else { continue };
+        let Some(table) = table.as_mut().filter(|_| axes.map(|axis| LINEAR[axis]).contains(&own.axis)) else {
+            continue;
+        };
         for axis in axes {
             table.given[axis] = false;
             table.rows.iter_mut().for_each(|row| (row.forward[axis], row.reverse[axis]) = (0.0, 0.0));
@@ -63,7 +66,7 @@ pub(super) fn without_rest(points: &Points, machine: Option<&Machine>, axes: [us
         }
         let rest = with_tool(&rest(machine, axes), points.tools_mm.first().copied().flatten());
         let places: Vec<_> = points.points.iter().map(|point| place(point.command_mm)).collect();
-        (errors, _) = tip_errors(&rest, &places)?;
+        (errors, _) = own_tip_errors(&rest, &places)?;
     }
     Ok(points
         .points
@@ -103,7 +106,9 @@ pub(super) fn filled(
         let table = filled.tables[slot].take();
         filled.tables[slot] = match errors {
             PlaneErrors::Tables(of) => Some(merged(table.as_ref(), axes, &of.nodes_mm[k], &of.errors[k])),
-            _ => table.filter(|table| keeps(table, axes)).map(|table| merged(Some(&table), axes, &[], &[vec![], vec![]])),
+            _ => {
+                table.filter(|table| keeps(table, axes)).map(|table| merged(Some(&table), axes, &[], &[vec![], vec![]]))
+            }
         };
     }
     if let PlaneErrors::Grid(of) = errors {
@@ -122,7 +127,8 @@ pub(super) fn filled(
         };
         source.values = of.values.iter().map(twist).collect();
         filled.grids.push(Grid::new(source).map_err(|_| anyhow!("found errors that no grid can store"))?);
-        changes.push(format!("{name} and the positioning and straightness of both axes in the plane are within the map"));
+        changes
+            .push(format!("{name} and the positioning and straightness of both axes in the plane are within the map"));
     }
     changes.extend(raise(&mut filled));
     Ok((Some(filled), changes))

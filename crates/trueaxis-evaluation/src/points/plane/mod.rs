@@ -85,7 +85,8 @@ impl Points {
             let found = self.tools_mm.len();
             bail!("column tool_x_mm: found {found} reflector offsets, needed one for points in a plane");
         }
-        let needed = "needed a plane or several lines along two axes; for a scale along one axis: tables import --from iso230-2";
+        let needed =
+            "needed a plane or several lines along two axes; for a scale along one axis: tables import --from iso230-2";
         let [u, v] = match self.free()[..] {
             [u, v] => [u, v],
             _ => bail!("lines {start} to {end}: found all points on one line, {needed}"),
@@ -125,7 +126,9 @@ pub fn identify_plane(
     let readings = machine::without_rest(points, machine, axes)?;
     let ends = ends(&readings);
     let (candidates, chosen) = select(&readings, ends, options.nodes.map(|nodes| axes.map(|axis| nodes[axis])));
-    let Some(chosen) = chosen else { bail!("found points that determine no model, needed points over the whole plane") };
+    let Some(chosen) = chosen else {
+        bail!("found points that determine no model, needed points over the whole plane")
+    };
     let fitted = &candidates[chosen].fitted;
     let (errors, placement) = errors::errors(fitted, &candidates[0].fitted, &readings);
     let transfer = match other {

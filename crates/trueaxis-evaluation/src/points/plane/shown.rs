@@ -34,9 +34,14 @@ impl PlaneDocument {
             vec![of.name.as_str().into(), low, high, uncertainty.cell(), unit(of.unit).into()]
         });
         let map = self.map_um.into_iter().flat_map(|um| {
-            self.plane.into_iter().zip(um).map(|(letter, um)| (format!("largest error along {letter}, µm"), Cell::number(um, 3)))
+            self.plane
+                .into_iter()
+                .zip(um)
+                .map(|(letter, um)| (format!("largest error along {letter}, µm"), Cell::number(um, 3)))
         });
-        let grid = self.grid_off_um.map(|um| ("largest difference of the grid from the map, µm".to_owned(), Cell::number(um, 2)));
+        let grid = self
+            .grid_off_um
+            .map(|um| ("largest difference of the grid from the map, µm".to_owned(), Cell::number(um, 2)));
         let figures: Vec<(String, Cell)> = map
             .chain(grid)
             .chain([
@@ -47,7 +52,7 @@ impl PlaneDocument {
             .collect();
         let transfer = self.transfer.iter().map(|test| {
             let numbers = [Some(test.before_um), Some(test.after_um), test.own_um].map(|um| Cell::number(um, 3));
-            [test.record.as_str().into()].into_iter().chain(numbers).chain([Cell::fixed(test.p, 3)]).collect()
+            [test.record.as_str().into()].into_iter().chain(numbers).chain([Cell::number(test.p, 2)]).collect()
         });
         let transfer_header = ["RMS, µm", "aligned", "with these terms", "own terms, held out", "p"];
         Shown {
@@ -77,8 +82,7 @@ impl PlaneDocument {
     }
 
     fn result(&self) -> String {
-        let [before, held_out, left] =
-            [self.before, self.held_out, self.left].map(|of| significant(of.rms_um, 3));
+        let [before, held_out, left] = [self.before, self.held_out, self.left].map(|of| significant(of.rms_um, 3));
         format!(
             "{} of {before} µm RMS are left at held-out points by the chosen model, {}; its own residuals are {left} µm.",
             held_out, self.model
@@ -112,7 +116,8 @@ fn plots(document: &PlaneDocument, found: &PlaneFit) -> Vec<Plot> {
         let curve = |(c, of): (usize, &char)| {
             let um = |values: &[f64]| values.iter().map(|mm| 1e3 * mm).collect::<Vec<f64>>();
             let freedom = document.degrees_of_freedom as f64;
-            let expanded = um(&tables.standard_errors[k][c]).into_iter().map(|error| half_width(error, freedom)).collect();
+            let expanded =
+                um(&tables.standard_errors[k][c]).into_iter().map(|error| half_width(error, freedom)).collect();
             Curve { expanded, ..Curve::new(format!("E{of}{letter}"), found.axes[c], um(&tables.errors[k][c])) }
         };
         plots.push(Plot {

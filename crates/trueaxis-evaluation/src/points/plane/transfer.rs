@@ -3,6 +3,7 @@
 use super::model::{Fitted, Model, PlanePoint, fit};
 use super::selection::{mean_square, of_model, square};
 use serde::Serialize;
+use trueaxis_report::number::significant;
 
 /// Level of the test: the chance of calling terms transferable that do nothing for the other record.
 pub const LEVEL: f64 = 0.05;
@@ -95,11 +96,14 @@ impl Transfer {
     pub fn sentence(&self) -> String {
         let (verdict, end) =
             if self.transfers { ("transfer", "") } else { ("do not transfer", ": nothing is written") };
-        let [before, after] = [self.before_um, self.after_um].map(|um| trueaxis_report::number::significant(um, 3));
+        let [before, after] = [self.before_um, self.after_um].map(|um| significant(um, 3));
         format!(
-            "the terms {verdict} to {}: they take its residuals from {before} to {after} µm RMS (sign test over {} areas: p {:.3}, \
+            "the terms {verdict} to {}: they take its residuals from {before} to {after} µm RMS (sign test over {} areas: p {}, \
              needed at most {}){end}",
-            self.record, self.areas, self.p, self.level
+            self.record,
+            self.areas,
+            significant(self.p, 2),
+            self.level
         )
     }
 }
