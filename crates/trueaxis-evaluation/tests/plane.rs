@@ -96,6 +96,11 @@ fn affine_terms_and_their_standard_errors() {
         assert!((term.of.value - value).abs() < 1e-6, "{name}: {:?}", term.of);
     }
     assert!(exact.left.rms_um < 1e-6 && exact.shift_mm.iter().zip(PLACED).all(|(own, mm)| (own - mm).abs() < 1e-9));
+    // Away from machine zero the scales start at the nearest end, X 250 and Y 340, and squareness at machine zero.
+    let away: Vec<[f64; 2]> = lattice().iter().map(|[x, y]| [x + 400.0, y + 500.0]).collect();
+    let needed = [PLACED[0] + 40e-6 * 250.0, PLACED[1] - 25e-6 * 340.0];
+    let shift = document(&record(&away, truth, 0.0, 3)).shift_mm;
+    assert!(shift.iter().zip(needed).all(|(own, mm)| (own - mm).abs() < 1e-9), "{shift:?}, needed {needed:?}");
 }
 
 /// Tables over the levels of a lattice: errors that kink at every level come out without noise, and with noise within their
@@ -358,7 +363,7 @@ fn records_that_show_nothing_are_refused() {
     let without = Options { without: vec!["EBX".into()], ..Options::default() };
     let error = identify_plane(&own, None, &without, None).unwrap_err();
     assert!(error.to_string().starts_with("--without: found EBX"), "{error}");
-    let upright = points(&good.lines().map(|line| swapped(line)).collect::<String>()).unwrap();
+    let upright = points(&good.lines().map(swapped).collect::<String>()).unwrap();
     let error = identify_plane(&own, None, &Options::default(), Some((&upright, "upright.csv"))).unwrap_err();
     assert!(format!("{error:#}").contains("upright.csv: found points over X and Z, needed X and Y"), "{error:#}");
     // The squareness of an upright plane: dx = B0Z·z.

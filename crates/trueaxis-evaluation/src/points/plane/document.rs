@@ -219,7 +219,7 @@ fn notes(found: &PlaneFit) -> Vec<String> {
         "the placement of the plate is removed; errors over {u} and {v} are zero at the reference position"
     )];
     notes.push(format!(
-        "left alone, as points in this plane do not show them: {}; the machine's values of these are subtracted first",
+        "left alone, as points in this plane do not show them: {}; values of them that a machine states are subtracted first",
         left_alone(found).join(" ")
     ));
     match &found.errors {

@@ -84,8 +84,10 @@ impl PlaneDocument {
     fn result(&self) -> String {
         let [before, held_out, left] = [self.before, self.held_out, self.left].map(|of| significant(of.rms_um, 3));
         format!(
-            "{} of {before} µm RMS are left at held-out points by the chosen model, {}; its own residuals are {left} µm.",
-            held_out, self.model
+            "Of {before} µm RMS the chosen model ({}) leaves {held_out} µm at held-out points and {left} µm where it was fitted; \
+             a coordinate scatters by {} µm.",
+            self.model,
+            significant(self.sigma_um, 3)
         )
     }
 }
