@@ -15,9 +15,7 @@ use trueaxis_tables::output::Outputs;
 pub(crate) const EXAMPLE: &str = "\
 Example:
   trueaxis evaluate points records/tracer.csv \\
-      --machine compensation-tables/mill-3axis
-  trueaxis evaluate points plate.csv --against second-plate.csv \\
-      --machine mill -o mill-measured";
+      --machine compensation-tables/mill-3axis";
 
 pub(crate) const HELP: &str = "\
 POINTS.csv has one row a point, with the columns:
