@@ -1,6 +1,6 @@
 //! `trueaxis evaluate` as called.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
 use trueaxis_testing::command::Folder;
@@ -275,6 +275,67 @@ fn points_make_a_machine_that_compensate_agrees_with() {
         &["evaluate", "points", "bad.csv", "--machine", "mill", "-o", "none"],
         &["bad.csv:2: column u_um: found 0"],
     );
+}
+
+/// A plate measured on the sample mill at one height, as its own nine terms predict it: the machine that comes out gives it back,
+/// and what the plate does not show stays. Terms that do not help another plate are not written.
+#[test]
+fn a_plate_changes_the_errors_in_its_plane_and_no_other() {
+    let folder = folder();
+    let mut positions = String::from("x_mm,y_mm,z_mm\n");
+    for k in 0..13 * 9 {
+        writeln!(positions, "{},{},-200", -300 + 50 * (k % 13), -200 + 50 * (k / 13)).unwrap();
+    }
+    folder.write("positions.csv", &positions);
+    let compensate = |machine: &str| folder.csv(&["compensate", machine, "positions.csv", "--model", "nine"]).1;
+    let rows = compensate("mill");
+    let plate = |factor: f64, z: f64| {
+        let mut text = String::from("x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm\n");
+        for row in &rows {
+            let [x, y] = [row[0], row[1]];
+            let um = [factor * row[3] - 0.05 * y + 30.0, factor * row[4] + 0.05 * x - 10.0];
+            writeln!(text, "{x},{y},{z},{},{},{z}", x + 1e-3 * um[0], y + 1e-3 * um[1]).unwrap();
+        }
+        text
+    };
+    folder.write("plate.csv", plate(1.0, -200.0));
+    folder.write("turned.csv", plate(-1.0, -200.0));
+    let call = ["evaluate", "points", "plate.csv", "--machine", "mill", "-o", "measured", "--against", "plate.csv"];
+    let found = folder.json(&[&call[..], &["--json", "--report", "out"]].concat());
+    assert_eq!((&found["plane"], &found["transfer"]["transfers"]), (&json!(["X", "Y"]), &json!(true)), "{found}");
+    assert!(found["before"]["rms_um"].as_f64().unwrap() > 2.0, "{}", found["before"]);
+    assert!(found["left"]["rms_um"].as_f64().unwrap() < 0.1, "{}", found["left"]);
+    assert!(found["models"].as_array().unwrap().iter().any(|of| of["model"] == found["model"]), "{found}");
+    assert!(folder.read("out/points.html").contains("<svg"), "out/points.html");
+    folder.good(&["tables", "compile", "measured", "-o", "measured.tcomp"]);
+    let [shift_x, shift_y] = [0, 1].map(|k| 1e3 * found["shift_mm"][k].as_f64().unwrap());
+    let turn = 1e-3 * found["turn_urad"].as_f64().unwrap();
+    let mut squares = 0.0;
+    for (row, new) in rows.iter().zip(compensate("measured")) {
+        let [x, y] = [row[0], row[1]];
+        squares += (row[3] - 0.05 * y + 30.0 - shift_x + turn * y - new[3]).powi(2);
+        squares += (row[4] + 0.05 * x - 10.0 - shift_y - turn * x - new[4]).powi(2);
+        assert!((row[5] - new[5]).abs() < 0.02, "Z: {} and {}", row[5], new[5]);
+    }
+    let rms = (squares / rows.len() as f64).sqrt();
+    assert!(rms < 0.1, "{rms} µm RMS between measured and compensated");
+
+    let call = ["evaluate", "points", "plate.csv", "--machine", "mill", "-o", "refused", "--against", "turned.csv"];
+    let text = folder.good(&call);
+    assert!(text.contains("the terms do not transfer to turned.csv") && text.contains("nothing is written"), "{text}");
+    assert!(!folder.has("refused"), "written all the same");
+    let text = folder.good(&["evaluate", "points", "plate.csv"]);
+    assert!(text.contains("Models, by their errors at held-out points") && text.contains("chosen"), "{text}");
+    folder.bad(&["evaluate", "points", "plate.csv", "-o", "none"], &["--output: found no --machine"]);
+    let few: String = plate(1.0, -200.0).lines().take(6).map(|line| format!("{line}\n")).collect();
+    folder.write("few.csv", few);
+    folder.bad(
+        &["evaluate", "points", "few.csv"],
+        &["few.csv: lines 2 to 6: found 5 points in a plane, needed at least 10"],
+    );
+    let above: String = plate(1.0, -100.0).lines().skip(1).map(|line| format!("{line}\n")).collect();
+    folder.write("box.csv", plate(1.0, -200.0) + &above);
+    folder.bad(&["evaluate", "points", "box.csv"], &["--machine: found none"]);
 }
 
 #[test]

@@ -33,7 +33,15 @@ const SIZE: f64 = 1e-3;
 pub fn tip_errors(machine: &Machine, places: &[[f64; AXES]]) -> Result<(Vec<[f64; 3]>, bool)> {
     let mut volumetric = machine.clone();
     volumetric.settings.compensation.model = ErrorModel::Volumetric;
-    with_model(&volumetric, &Settings { passes: Some(1), ..Settings::default() }, |model| {
+    own_tip_errors(&volumetric, places)
+}
+
+/// Like [`tip_errors`], by the model that the machine states.
+///
+/// # Errors
+/// Anything that the model refuses.
+pub fn own_tip_errors(machine: &Machine, places: &[[f64; AXES]]) -> Result<(Vec<[f64; 3]>, bool)> {
+    with_model(machine, &Settings { passes: Some(1), ..Settings::default() }, |model| {
         let mut clamped = false;
         let errors = places.iter().map(|command| {
             let error = model.error(&Place { command: *command, directions: [Direction::POSITIVE; AXES] });

@@ -5,6 +5,7 @@ mod coverage;
 mod diagonal;
 mod field;
 mod helicoid;
+mod plane;
 mod points;
 mod r_test;
 mod shop_tests;

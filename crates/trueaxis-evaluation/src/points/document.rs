@@ -95,7 +95,8 @@ pub struct PointsDocument {
     pub notes: Vec<String>,
 }
 
-fn left(of: impl Iterator<Item = (u32, [f64; 3])>) -> Left {
+/// Lengths of vectors, mm, with their lines.
+pub(super) fn left(of: impl Iterator<Item = (u32, [f64; 3])>) -> Left {
     let mut found = Left { points: 0, max_um: 0.0, rms_um: 0.0, line: 0 };
     for (line, [x, y, z]) in of {
         let squared = 1e6 * (x * x + y * y + z * z);

@@ -96,14 +96,14 @@ pub fn identify(points: &Points, machine: &Machine, options: &Options) -> Result
     Ok(PointsFit { errors, basis, left_mm, held_out_mm, deviations_mm, unseen, machine: written, limits })
 }
 
-fn place(of: [f64; 3]) -> [f64; AXES] {
+pub(super) fn place(of: [f64; 3]) -> [f64; AXES] {
     let mut place = [0.0; AXES];
     place[..3].copy_from_slice(&of);
     place
 }
 
 /// The bare machine with a reflector as its tool.
-fn with_tool(bare: &Machine, tool_mm: Option<[f64; 3]>) -> Machine {
+pub(super) fn with_tool(bare: &Machine, tool_mm: Option<[f64; 3]>) -> Machine {
     let mut machine = bare.clone();
     machine.settings.tool_mm = tool_mm.unwrap_or(machine.settings.tool_mm);
     machine
@@ -143,7 +143,7 @@ fn observations(points: &Points, bare: &Machine) -> Result<Vec<Observation>> {
     Ok(observations)
 }
 
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+pub(super) fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
 }
 
@@ -152,7 +152,10 @@ fn basis(points: &Points, bare: &Machine, options: &Options) -> Result<(Basis, V
     let ends: [[f64; 2]; 3] = [0, 1, 2].map(|axis| range(along(axis)));
     for (axis, [low, high]) in ends.into_iter().enumerate() {
         if high - low < 1e-3 {
-            bail!("column {}: found all points at {low}, needed points along every axis", super::COLUMNS[axis].name);
+            bail!(
+                "column {}: found all points at {low}, needed points along every axis; points in a plane: trueaxis evaluate points",
+                super::COLUMNS[axis].name
+            );
         }
     }
     let nodes_mm = [0, 1, 2].map(|axis| {
@@ -239,11 +242,15 @@ fn left(points: &Points, machine: &Machine, errors: &VolumetricFit) -> Result<Ve
 /// Inverse of the steps in which tables are stored, 1e-7 µm and µrad: short decimals.
 const STEPS: f64 = 1e7;
 
+/// A value in whole steps. Scaled to micro and then / 1e3 or 1e6, as a file is read, so that it reads back as the same double;
+/// + 0 turns −0 into 0.
+pub(super) fn rounded(value: f64, scale: f64) -> f64 {
+    (value * scale * STEPS).round() / STEPS / scale + 0.0
+}
+
 /// A machine with the errors as its tables of X, Y, Z and its squareness.
 fn filled(machine: &Machine, basis: &Basis, errors: &VolumetricFit) -> Machine {
     let mut machine = machine.clone();
-    // Scaled to micro and then / 1e3 or 1e6, as a file is read, so that it reads back as the same double; + 0 turns −0 into 0.
-    let rounded = |value: f64, scale: f64| (value * scale * STEPS).round() / STEPS / scale + 0.0;
     machine.settings.compensation.model = ErrorModel::Volumetric;
     // The points show the whole error: a grid on top would count it twice.
     machine.grids.clear();

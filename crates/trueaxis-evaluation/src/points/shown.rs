@@ -112,18 +112,24 @@ const CELLS: usize = 12;
 
 /// Root mean square of the residuals over X and Y, all heights together.
 fn map(points: &Points, found: &PointsFit) -> Map {
-    let ends_mm = [0, 1].map(|axis| {
-        let values = points.points.iter().map(|point| point.command_mm[axis]);
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)])
-    });
+    let of = |(point, left): (&super::Point, &[f64; 3])| ([point.command_mm[0], point.command_mm[1]], length(left));
+    cells(&points.points.iter().zip(&found.left_mm).map(of).collect::<Vec<_>>())
+}
+
+fn length(of: &[f64]) -> f64 {
+    of.iter().map(|mm| mm * mm).sum::<f64>().sqrt()
+}
+
+/// Root mean square over the cells of a plane, of values in mm at positions.
+pub(super) fn cells(of: &[([f64; 2], f64)]) -> Map {
+    let ends_mm = [0, 1].map(|axis| super::found::range(of.iter().map(|(at, _)| at[axis])));
     let mut sums = vec![vec![(0.0, 0_u32); CELLS]; CELLS];
     let cell = |value: f64, [low, high]: [f64; 2]| {
         (((value - low) / (high - low).max(f64::MIN_POSITIVE) * CELLS as f64) as usize).min(CELLS - 1)
     };
-    for (point, left) in points.points.iter().zip(&found.left_mm) {
-        let [x, y, _] = point.command_mm;
-        let (sum, count) = &mut sums[cell(y, ends_mm[1])][cell(x, ends_mm[0])];
-        *sum += left.iter().map(|mm| 1e6 * mm * mm).sum::<f64>();
+    for ([x, y], mm) in of {
+        let (sum, count) = &mut sums[cell(*y, ends_mm[1])][cell(*x, ends_mm[0])];
+        *sum += 1e6 * mm * mm;
         *count += 1;
     }
     let rms = |(sum, count): (f64, u32)| if count == 0 { f64::NAN } else { (sum / f64::from(count)).sqrt() };

@@ -33,6 +33,7 @@ pub use circumscribed::minimum_circumscribed;
 pub use inscribed::maximum_inscribed;
 pub use least_squares::least_squares;
 pub use minimum_zone::minimum_zone;
+pub use width::hull;
 
 use std::vec::Vec;
 

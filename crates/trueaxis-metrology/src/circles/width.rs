@@ -7,7 +7,7 @@ fn cross(o: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// Convex hull, counter-clockwise (Andrew 1979).
-fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+pub fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     // Adding 0 makes −0 and 0 equal in the total order.
     let mut sorted: Vec<[f64; 2]> = points.iter().map(|p| p.map(|v| v + 0.0)).collect();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));

@@ -142,7 +142,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// The two nodes around a position and their shares; beyond the ends, the end node.
-fn hats(nodes: &[f64], q: f64) -> [(usize, f64); 2] {
+pub fn hats(nodes: &[f64], q: f64) -> [(usize, f64); 2] {
     let above = nodes.partition_point(|node| *node <= q).clamp(1, nodes.len() - 1);
     let (low, high) = (nodes[above - 1], nodes[above]);
     let share = ((q - low) / (high - low)).clamp(0.0, 1.0);

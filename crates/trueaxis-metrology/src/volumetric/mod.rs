@@ -28,6 +28,7 @@
 mod design;
 mod solve;
 
+pub use design::hats;
 pub use solve::fit;
 
 use core::fmt;
