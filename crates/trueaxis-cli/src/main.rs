@@ -28,6 +28,7 @@ mod probe_angles;
 mod probes;
 mod report;
 mod roundness;
+mod simulate;
 mod tables;
 mod telemetry;
 mod thermal;

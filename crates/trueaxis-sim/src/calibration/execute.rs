@@ -27,6 +27,9 @@ pub enum Host {
     LinuxCnc,
     /// `[MSG:…]` and `[PRB:…]` on the console.
     GrblHal,
+    /// `// trueaxis touch 17 X:… Y:… Z:… tripped:1` on the console; executes the program of LinuxCNC, in which every touch is
+    /// the same.
+    Klipper,
 }
 
 /// Movement of the workpiece's frame relative to the tool: a constant rate, and a part that settles.
@@ -258,10 +261,11 @@ impl Bench<'_> {
             rest.split(')').next()
         };
         match self.probing.host {
-            Host::LinuxCnc => {
+            Host::LinuxCnc | Host::Klipper => {
                 if let Some(text) = comment("(LOG,") {
                     let expanded = self.expanded(text);
-                    let _ = writeln!(self.log, "{expanded}");
+                    let line = if self.probing.host == Host::Klipper { of_klipper(&expanded) } else { expanded };
+                    let _ = writeln!(self.log, "{line}");
                 }
             }
             Host::GrblHal => {
@@ -293,5 +297,14 @@ impl Bench<'_> {
             }
         }
         out
+    }
+}
+
+/// A line of LinuxCNC's log as the macro of integrations/klipper prints it.
+fn of_klipper(line: &str) -> String {
+    let words: Vec<&str> = line.split(' ').collect();
+    match words.as_slice() {
+        ["touch", id, x, y, z, ..] => format!("// trueaxis touch {id} X:{x} Y:{y} Z:{z} tripped:1"),
+        _ => format!("// {line}"),
     }
 }

@@ -1,0 +1,108 @@
+//! `… simulate`: what the rehearsals of all commands share.
+
+use crate::model;
+use crate::numbers::{Numbers, number, one_or_triple};
+use crate::output::{data, report_line};
+use crate::{machine_folder, model::machine as read_machine};
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use trueaxis_evaluation::simulated::rehearsal::{Conditions, Drift, drawn, is_stated, truth_of};
+use trueaxis_tables::Machine;
+use trueaxis_tables::formats::machine_files;
+use trueaxis_tables::output::Outputs;
+use trueaxis_tables::text::counted;
+use trueaxis_tables::uncertainty::Uncertainties;
+
+/// The true machine.
+#[derive(Args)]
+pub(crate) struct Truth {
+    /// Machine whose tables are the true errors [default: the task's machine, errors drawn within its uncertainties].
+    #[arg(long, value_name = "TRUE", help_heading = "True machine")]
+    machine: Option<PathBuf>,
+    /// Also write the true machine into a folder without a machine.toml.
+    #[arg(long, value_name = "DIR", help_heading = "True machine")]
+    save_true: Option<PathBuf>,
+}
+
+impl Truth {
+    /// The true machine of a task whose own machine is `known`, read from `path`.
+    pub(crate) fn machine(&self, path: &Path, known: &Machine, conditions: &Conditions) -> Result<Machine> {
+        if let Some(path) = &self.machine {
+            let truth = read_machine(path)?;
+            return truth_of(known, &truth).with_context(|| format!("--machine {}", path.display()));
+        }
+        let named = || path.display().to_string();
+        let stated = Uncertainties::read(path)?;
+        if !is_stated(&stated) {
+            bail!(
+                "{}: found no uncertainty to draw the true errors from, needed [uncertainty.location] or \
+                 [axis.X.uncertainty] there, or --machine TRUE",
+                named()
+            );
+        }
+        drawn(known, &stated, conditions).with_context(named)
+    }
+
+    /// Files that are read: those of the task's machine at `path`, and of the true one.
+    pub(crate) fn inputs(&self, path: &Path) -> Vec<PathBuf> {
+        let truth = self.machine.iter().flat_map(|truth| model::files(truth));
+        model::files(path).into_iter().chain(truth).collect()
+    }
+
+    /// Stages the true machine if asked; returns the notes to print once it is written.
+    pub(crate) fn save(&self, outputs: &mut Outputs, truth: &Machine) -> Result<Vec<String>> {
+        let Some(folder) = &self.save_true else { return Ok(Vec::new()) };
+        let files = machine_files(truth, "The true machine of a rehearsal.");
+        machine_folder::whole(outputs, folder, &files).map_err(|wrong| wrong.context("--save-true"))
+    }
+}
+
+/// Noise and drift.
+#[derive(Args)]
+pub(crate) struct Disturbances {
+    /// Standard deviation of a reading [default: the task's repeatability].
+    #[arg(long, value_name = "U", value_parser = number, help_heading = "Disturbances")]
+    noise_um: Option<f64>,
+    /// Drift of the workpiece from the tool: X,Y,Z, or its size in a direction drawn from the seed [default: none].
+    #[arg(
+        long,
+        value_name = "R|X,Y,Z",
+        value_parser = one_or_triple,
+        allow_hyphen_values = true,
+        help_heading = "Disturbances"
+    )]
+    drift_um_per_h: Option<Numbers>,
+    /// Seed; the same seed gives the same file.
+    #[arg(long, value_name = "SEED", default_value_t = 1, help_heading = "Disturbances")]
+    seed: u64,
+}
+
+impl Disturbances {
+    /// The conditions in a set-up; without its number, the seed's.
+    pub(crate) fn conditions(&self, set_up: Option<u64>) -> Result<Conditions> {
+        let drift = match self.drift_um_per_h.as_deref() {
+            Some(&[x, y, z]) => Drift::Along([x, y, z]),
+            Some(&[size]) => Drift::Size(size),
+            _ => Drift::Size(0.0),
+        };
+        let set_up = set_up.unwrap_or(self.seed);
+        let conditions = Conditions { noise_um: self.noise_um, drift, seed: self.seed, set_up };
+        conditions.check().map_err(|wrong| wrong.option())?;
+        Ok(conditions)
+    }
+}
+
+/// Writes a record with everything staged beside it, and prints the notes.
+pub(crate) fn write(mut outputs: Outputs, file: Option<&Path>, text: &str, notes: &[String]) -> Result<()> {
+    if let Some(file) = file {
+        outputs.put(file, text.as_bytes())?;
+    }
+    outputs.commit()?;
+    match file {
+        None => data(text)?,
+        Some(file) => report_line(format_args!("written {}: {}", file.display(), counted(text.lines().count(), "line"))),
+    }
+    machine_folder::print_notes(notes);
+    Ok(())
+}
