@@ -7,7 +7,7 @@ use crate::{machine_folder, model::machine as read_machine};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use trueaxis_evaluation::simulated::rehearsal::{Conditions, Drift, drawn, is_stated, truth_of};
+use trueaxis_evaluation::simulated::rehearsal::{Conditions, Drift, Instrument, drawn, is_stated, truth_of};
 use trueaxis_tables::Machine;
 use trueaxis_tables::formats::machine_files;
 use trueaxis_tables::output::Outputs;
@@ -61,8 +61,8 @@ impl Truth {
 /// Noise and drift.
 #[derive(Args)]
 pub(crate) struct Disturbances {
-    /// Standard deviation of a reading [default: the task's repeatability].
-    #[arg(long, value_name = "U", value_parser = number, help_heading = "Disturbances")]
+    /// Standard deviation of a reading [default: the task's repeatability; of an instrument 0.1].
+    #[arg(long, value_name = "U", value_parser = number, allow_hyphen_values = true, help_heading = "Disturbances")]
     noise_um: Option<f64>,
     /// Drift of the workpiece from the tool: X,Y,Z, or its size in a direction drawn from the seed [default: none].
     #[arg(
@@ -79,6 +79,11 @@ pub(crate) struct Disturbances {
 }
 
 impl Disturbances {
+    /// Noise alone.
+    pub(crate) fn of(noise_um: Option<f64>, seed: u64) -> Disturbances {
+        Disturbances { noise_um, drift_um_per_h: None, seed }
+    }
+
     /// The conditions in a set-up; without its number, the seed's.
     pub(crate) fn conditions(&self, set_up: Option<u64>) -> Result<Conditions> {
         let drift = match self.drift_um_per_h.as_deref() {
@@ -90,6 +95,39 @@ impl Disturbances {
         let conditions = Conditions { noise_um: self.noise_um, drift, seed: self.seed, set_up };
         conditions.check().map_err(|wrong| wrong.option())?;
         Ok(conditions)
+    }
+}
+
+/// A machine under an instrument, and the record to write.
+#[derive(Args)]
+pub(crate) struct OnMachine {
+    /// Machine whose tables are the true errors.
+    #[arg(long, value_name = "TRUE", help_heading = "True machine")]
+    machine: PathBuf,
+    /// Machine whose tables correct it during the test [default: it is not corrected].
+    #[arg(long, value_name = "KNOWN", help_heading = "True machine")]
+    corrected_by: Option<PathBuf>,
+    #[command(flatten)]
+    disturbances: Disturbances,
+    /// The record [default: standard output].
+    #[arg(short, long, value_name = "RECORD")]
+    output: Option<PathBuf>,
+}
+
+impl OnMachine {
+    /// Writes the record that `record` makes on the machine.
+    pub(crate) fn write(&self, record: impl FnOnce(&Instrument<'_>) -> Result<String>) -> Result<()> {
+        let conditions = self.disturbances.conditions(None)?;
+        let truth = read_machine(&self.machine)?;
+        let known = self.corrected_by.as_deref().map(read_machine).transpose()?;
+        let on = || format!("--machine {}", self.machine.display());
+        let instrument = Instrument::new(&truth, known.as_ref(), conditions).with_context(|| {
+            format!("--corrected-by {}", self.corrected_by.as_deref().unwrap_or(Path::new("")).display())
+        })?;
+        let text = record(&instrument).with_context(on)?;
+        let machines = [&self.machine].into_iter().chain(&self.corrected_by);
+        let outputs = Outputs::of(machines.flat_map(|machine| model::files(machine)));
+        write(outputs, self.output.as_deref(), &text, &[])
     }
 }
 

@@ -103,7 +103,7 @@ pub(crate) struct SimulateArgs {
     truth: Truth,
     #[command(flatten)]
     disturbances: Disturbances,
-    /// Number of the set-up, from which the artefacts' true sizes and places are drawn [default: the seed].
+    /// Number of the set-up, from which the artefacts' true sizes and places and the tip are drawn [default: the seed].
     #[arg(long, value_name = "N")]
     set_up: Option<u64>,
     /// The log, in the format of the task's control [default: standard output].

@@ -1,10 +1,12 @@
 //! `trueaxis friction`.
 
+mod simulate;
+
 use crate::machine_folder::{self, Writing};
 use crate::output::{print, progress};
 use crate::{csv_in, model, report};
 use anyhow::Result;
-use clap::Args;
+use clap::{Args, Subcommand};
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::machine::DriveFigures;
@@ -48,8 +50,27 @@ from its stated value by more than two combined standard uncertainties, or if no
 if all agree, their means with one weight are written; nothing is written if the spikes do not fit.
 
 More examples:
+  # A rehearsal, see its own help:
+  trueaxis friction simulate --machine mymill --axes X,Y -o record.csv
   trueaxis friction record.csv --axes X,Y --report out -o friction.toml
   trueaxis friction record.csv --axes X,Y --machine mymill -o mymill";
+
+/// Either a record to evaluate or the subcommand.
+#[derive(Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, disable_help_subcommand = true)]
+pub(crate) struct Friction {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    evaluate: Option<FrictionArgs>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Write the record that circles would give on drives of stated figures and friction.
+    #[command(before_help = simulate::EXAMPLE, after_help = simulate::HELP)]
+    Simulate(simulate::SimulateArgs),
+}
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
@@ -86,7 +107,15 @@ pub(crate) struct FrictionArgs {
     writing: Writing,
 }
 
-pub(crate) fn run(arguments: &FrictionArgs) -> Result<()> {
+pub(crate) fn run(arguments: &Friction) -> Result<()> {
+    match (&arguments.command, &arguments.evaluate) {
+        (Some(Command::Simulate(arguments)), _) => simulate::run(arguments),
+        (None, Some(arguments)) => identify(arguments),
+        (None, None) => Ok(()),
+    }
+}
+
+fn identify(arguments: &FrictionArgs) -> Result<()> {
     let output = arguments.writing.output(arguments.output.as_deref());
     let (file, into) = machine_folder::file_or_folder(output, "toml", arguments.machine.is_some());
     let _alone = into.map(machine_folder::alone).transpose()?;

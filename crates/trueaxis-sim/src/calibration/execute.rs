@@ -44,7 +44,7 @@ pub struct Drift {
 }
 
 impl Drift {
-    fn at(&self, time_s: f64) -> DVec3 {
+    pub(crate) fn at(&self, time_s: f64) -> DVec3 {
         let share = if self.lag_s > 0.0 { 1.0 - libm::exp(-time_s / self.lag_s) } else { 0.0 };
         self.rate * (time_s / 3600.0) + self.settles * share
     }

@@ -9,11 +9,21 @@
 //! The true position of the tip is the product of rigid transforms of [`trueaxis_tables::exact`]; the evaluations fit
 //! first-order terms. Both share the structural code and its nominal transforms, and nothing else.
 
+mod ballbar;
 mod drawn;
+mod feature;
+mod friction;
+mod instrument;
 mod probing;
+mod shop;
 
+pub use ballbar::Circles;
 pub use drawn::{drawn, is_stated};
+pub use feature::ProbedFeature;
+pub use friction::{ENCODER_UM, FrictionCircles};
+pub use instrument::{Instrument, NOISE_UM};
 pub use probing::{calibrate, keep};
+pub use shop::{Diagonals, FollowedBall, TracedPoints};
 
 use crate::range::OutOfRange;
 use anyhow::{Result, bail};
@@ -39,7 +49,7 @@ pub struct Conditions {
     pub drift: Drift,
     /// Seed of noise and of everything that is drawn.
     pub seed: u64,
-    /// Number of the set-up: the artefacts' true sizes and places are drawn from it.
+    /// Number of the set-up: the artefacts' true sizes and places and the tip are drawn from it.
     pub set_up: u64,
 }
 
@@ -67,7 +77,7 @@ impl Conditions {
     }
 
     fn draws(&self, stream: Stream) -> Draws {
-        let seed = if matches!(stream, Stream::SetUp) { self.set_up } else { self.seed };
+        let seed = if matches!(stream, Stream::SetUp | Stream::Tip) { self.set_up } else { self.seed };
         Draws::new(seed, stream as u64)
     }
 

@@ -1,10 +1,12 @@
 //! `trueaxis ballbar`.
 
+mod simulate;
+
 use crate::machine_folder::{self, Writing};
 use crate::output::{print, report_line};
 use crate::report;
 use anyhow::Result;
-use clap::Args;
+use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use trueaxis::Axis;
 use trueaxis_evaluation::ballbar::{Options, Test};
@@ -48,9 +50,28 @@ than two combined standard uncertainties; values that agree become their weighte
 other causes.
 
 More examples:
+  # A rehearsal, see its own help:
+  trueaxis ballbar simulate --machine mymill --radius-mm 100 -o record.csv
   trueaxis ballbar samples.txt --radius-mm 50 --axes Z,X
   trueaxis ballbar frames.bin --radius-mm 50
   trueaxis ballbar record.csv --radius-mm 100 --machine mymill -o mymill";
+
+/// Either a record to evaluate or the subcommand.
+#[derive(Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, disable_help_subcommand = true)]
+pub(crate) struct Ballbar {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    evaluate: Option<BallbarArgs>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Write the record that a bar would give on a machine of stated errors, noise and drift.
+    #[command(before_help = simulate::EXAMPLE, after_help = simulate::HELP)]
+    Simulate(simulate::SimulateArgs),
+}
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
@@ -93,7 +114,15 @@ pub(crate) struct BallbarArgs {
     report: Option<PathBuf>,
 }
 
-pub(crate) fn run(arguments: &BallbarArgs) -> Result<()> {
+pub(crate) fn run(arguments: &Ballbar) -> Result<()> {
+    match (&arguments.command, &arguments.evaluate) {
+        (Some(Command::Simulate(arguments)), _) => simulate::run(arguments),
+        (None, Some(arguments)) => evaluate(arguments),
+        (None, None) => Ok(()),
+    }
+}
+
+fn evaluate(arguments: &BallbarArgs) -> Result<()> {
     let into = arguments.writing.output(arguments.output.as_deref());
     let _alone = into.map(machine_folder::alone).transpose()?;
     let pitches_mm = [arguments.pitch_x_mm, arguments.pitch_y_mm, arguments.pitch_z_mm];
