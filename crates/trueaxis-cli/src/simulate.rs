@@ -5,7 +5,7 @@ use crate::numbers::{Numbers, number, one_or_triple};
 use crate::output::{data, report_line};
 use crate::{machine_folder, model::machine as read_machine};
 use anyhow::{Context, Result, bail};
-use clap::Args;
+use clap::{ArgMatches, Args, Command, FromArgMatches};
 use std::path::{Path, PathBuf};
 use trueaxis_evaluation::simulated::rehearsal::{Conditions, Drift, Instrument, drawn, is_stated, truth_of};
 use trueaxis_tables::Machine;
@@ -13,6 +13,55 @@ use trueaxis_tables::formats::machine_files;
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::text::counted;
 use trueaxis_tables::uncertainty::Uncertainties;
+
+/// A command that evaluates a record, and has the subcommand `simulate` that writes one.
+pub(crate) enum OrSimulate<E, S> {
+    Evaluate(E),
+    Simulate(S),
+}
+
+/// Arguments of a subcommand `simulate`, and its help.
+pub(crate) trait Rehearsal: Args {
+    /// One sentence.
+    const ABOUT: &'static str;
+    /// Before the options.
+    const EXAMPLE: &'static str;
+    /// After them.
+    const HELP: &'static str;
+}
+
+/// Name of the subcommand.
+const SIMULATE: &str = "simulate";
+
+impl<E: Args, S: Rehearsal> FromArgMatches for OrSimulate<E, S> {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        match matches.subcommand() {
+            Some((SIMULATE, matches)) => S::from_arg_matches(matches).map(OrSimulate::Simulate),
+            _ => E::from_arg_matches(matches).map(OrSimulate::Evaluate),
+        }
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+// A derived `Option` of flattened arguments beside an `Option` of a subcommand is `None` for a plain record.
+impl<E: Args, S: Rehearsal> Args for OrSimulate<E, S> {
+    fn augment_args(command: Command) -> Command {
+        let simulate = Command::new(SIMULATE).before_help(S::EXAMPLE).after_help(S::HELP);
+        E::augment_args(command)
+            .subcommand(S::augment_args(simulate).about(S::ABOUT))
+            .args_conflicts_with_subcommands(true)
+            .subcommand_negates_reqs(true)
+            .disable_help_subcommand(true)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
 
 /// The true machine.
 #[derive(Args)]
@@ -53,6 +102,7 @@ impl Truth {
     /// Stages the true machine if asked; returns the notes to print once it is written.
     pub(crate) fn save(&self, outputs: &mut Outputs, truth: &Machine) -> Result<Vec<String>> {
         let Some(folder) = &self.save_true else { return Ok(Vec::new()) };
+        outputs.folder(folder)?;
         let files = machine_files(truth, "The true machine of a rehearsal.");
         machine_folder::whole(outputs, folder, &files).map_err(|wrong| wrong.context("--save-true"))
     }

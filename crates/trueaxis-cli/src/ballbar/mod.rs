@@ -5,8 +5,9 @@ mod simulate;
 use crate::machine_folder::{self, Writing};
 use crate::output::{print, report_line};
 use crate::report;
+use crate::simulate::OrSimulate;
 use anyhow::Result;
-use clap::{Args, Subcommand};
+use clap::Args;
 use std::path::PathBuf;
 use trueaxis::Axis;
 use trueaxis_evaluation::ballbar::{Options, Test};
@@ -56,22 +57,8 @@ More examples:
   trueaxis ballbar frames.bin --radius-mm 50
   trueaxis ballbar record.csv --radius-mm 100 --machine mymill -o mymill";
 
-/// Either a record to evaluate or the subcommand.
-#[derive(Args)]
-#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, disable_help_subcommand = true)]
-pub(crate) struct Ballbar {
-    #[command(subcommand)]
-    command: Option<Command>,
-    #[command(flatten)]
-    evaluate: Option<BallbarArgs>,
-}
-
-#[derive(Subcommand)]
-enum Command {
-    /// Write the record that a bar would give on a machine of stated errors, noise and drift.
-    #[command(before_help = simulate::EXAMPLE, after_help = simulate::HELP)]
-    Simulate(simulate::SimulateArgs),
-}
+/// A record to evaluate, or the rehearsal.
+pub(crate) type Ballbar = OrSimulate<BallbarArgs, simulate::SimulateArgs>;
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
@@ -115,10 +102,9 @@ pub(crate) struct BallbarArgs {
 }
 
 pub(crate) fn run(arguments: &Ballbar) -> Result<()> {
-    match (&arguments.command, &arguments.evaluate) {
-        (Some(Command::Simulate(arguments)), _) => simulate::run(arguments),
-        (None, Some(arguments)) => evaluate(arguments),
-        (None, None) => Ok(()),
+    match arguments {
+        OrSimulate::Evaluate(arguments) => evaluate(arguments),
+        OrSimulate::Simulate(arguments) => simulate::run(arguments),
     }
 }
 

@@ -1,19 +1,19 @@
 //! `trueaxis ballbar simulate`.
 
 use crate::numbers::triple;
-use crate::simulate::OnMachine;
+use crate::simulate::{OnMachine, Rehearsal};
 use anyhow::Result;
 use clap::Args;
 use trueaxis::Axis;
 use trueaxis_evaluation::friction::pair;
 use trueaxis_evaluation::simulated::rehearsal::Circles;
 
-pub(super) const EXAMPLE: &str = "\
+const EXAMPLE: &str = "\
 Example:
   trueaxis ballbar simulate --machine records/probing/true --radius-mm 100 \\
       -o record.csv";
 
-pub(super) const HELP: &str = "\
+const HELP: &str = "\
 A rehearsal: write a record, evaluate it, and see how well it finds errors that you state:
 
   trueaxis ballbar simulate --machine true --radius-mm 100 -o record.csv
@@ -27,7 +27,7 @@ Drives are not simulated: servo mismatch and reversal spikes are zero. `trueaxis
 with drives and friction, as positions, which `trueaxis ballbar` reads too.";
 
 #[derive(Args)]
-pub(super) struct SimulateArgs {
+pub(crate) struct SimulateArgs {
     #[command(flatten)]
     on: OnMachine,
     /// Nominal radius of the circle, 1 to 10000.
@@ -45,6 +45,12 @@ pub(super) struct SimulateArgs {
     /// Feed along the circle, 1 to 100000.
     #[arg(long, value_name = "F", default_value_t = 1000.0, allow_negative_numbers = true)]
     feed_mm_per_min: f64,
+}
+
+impl Rehearsal for SimulateArgs {
+    const ABOUT: &'static str = "Write the record that a bar would give on a machine of stated errors, noise and drift.";
+    const EXAMPLE: &'static str = EXAMPLE;
+    const HELP: &'static str = HELP;
 }
 
 pub(super) fn run(arguments: &SimulateArgs) -> Result<()> {

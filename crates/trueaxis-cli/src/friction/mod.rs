@@ -4,9 +4,10 @@ mod simulate;
 
 use crate::machine_folder::{self, Writing};
 use crate::output::{print, progress};
+use crate::simulate::OrSimulate;
 use crate::{csv_in, model, report};
 use anyhow::Result;
-use clap::{Args, Subcommand};
+use clap::Args;
 use std::path::{Path, PathBuf};
 use trueaxis::Axis;
 use trueaxis::machine::DriveFigures;
@@ -55,22 +56,8 @@ More examples:
   trueaxis friction record.csv --axes X,Y --report out -o friction.toml
   trueaxis friction record.csv --axes X,Y --machine mymill -o mymill";
 
-/// Either a record to evaluate or the subcommand.
-#[derive(Args)]
-#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, disable_help_subcommand = true)]
-pub(crate) struct Friction {
-    #[command(subcommand)]
-    command: Option<Command>,
-    #[command(flatten)]
-    evaluate: Option<FrictionArgs>,
-}
-
-#[derive(Subcommand)]
-enum Command {
-    /// Write the record that circles would give on drives of stated figures and friction.
-    #[command(before_help = simulate::EXAMPLE, after_help = simulate::HELP)]
-    Simulate(simulate::SimulateArgs),
-}
+/// A record to evaluate, or the rehearsal.
+pub(crate) type Friction = OrSimulate<FrictionArgs, simulate::SimulateArgs>;
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
@@ -108,10 +95,9 @@ pub(crate) struct FrictionArgs {
 }
 
 pub(crate) fn run(arguments: &Friction) -> Result<()> {
-    match (&arguments.command, &arguments.evaluate) {
-        (Some(Command::Simulate(arguments)), _) => simulate::run(arguments),
-        (None, Some(arguments)) => identify(arguments),
-        (None, None) => Ok(()),
+    match arguments {
+        OrSimulate::Evaluate(arguments) => identify(arguments),
+        OrSimulate::Simulate(arguments) => simulate::run(arguments),
     }
 }
 

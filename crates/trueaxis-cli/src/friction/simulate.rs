@@ -2,7 +2,7 @@
 
 use crate::model::{self, machine};
 use crate::output::progress;
-use crate::simulate::{Disturbances, write};
+use crate::simulate::{Disturbances, Rehearsal, write};
 use anyhow::{Context, Result};
 use clap::Args;
 use std::path::PathBuf;
@@ -11,12 +11,12 @@ use trueaxis_evaluation::friction::pair;
 use trueaxis_evaluation::simulated::rehearsal::FrictionCircles;
 use trueaxis_tables::output::Outputs;
 
-pub(super) const EXAMPLE: &str = "\
+const EXAMPLE: &str = "\
 Example:
   trueaxis friction simulate --machine compensation-tables/mill-3axis \\
       --axes X,Y -o record.csv";
 
-pub(super) const HELP: &str = "\
+const HELP: &str = "\
 A rehearsal: write a record, identify it, and see how well it finds figures that you state:
 
   trueaxis friction simulate --machine true --axes X,Y -o record.csv
@@ -29,7 +29,7 @@ of 20 µm with 30 nm and 15 nm of subdivisional error. --noise-um is the noise o
 Geometry has no effect.";
 
 #[derive(Args)]
-pub(super) struct SimulateArgs {
+pub(crate) struct SimulateArgs {
     /// Machine that states the true figures of drives and friction.
     #[arg(long, value_name = "TRUE", help_heading = "True machine")]
     machine: PathBuf,
@@ -57,6 +57,12 @@ pub(super) struct SimulateArgs {
     /// The record [default: standard output].
     #[arg(short, long, value_name = "RECORD.csv")]
     output: Option<PathBuf>,
+}
+
+impl Rehearsal for SimulateArgs {
+    const ABOUT: &'static str = "Write the record that circles would give on drives of stated figures and friction.";
+    const EXAMPLE: &'static str = EXAMPLE;
+    const HELP: &'static str = HELP;
 }
 
 pub(super) fn run(arguments: &SimulateArgs) -> Result<()> {
