@@ -189,7 +189,9 @@ pub(crate) fn write(mut outputs: Outputs, file: Option<&Path>, text: &str, notes
     outputs.commit()?;
     match file {
         None => data(text)?,
-        Some(file) => report_line(format_args!("written {}: {}", file.display(), counted(text.lines().count(), "line"))),
+        Some(file) => {
+            report_line(format_args!("written {}: {}", file.display(), counted(text.lines().count(), "line")))
+        }
     }
     machine_folder::print_notes(notes);
     Ok(())

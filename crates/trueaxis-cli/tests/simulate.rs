@@ -56,7 +56,9 @@ fn scores(found: &Value, terms: &[(&str, f64)]) -> Vec<f64> {
     let number = |path: &str| found.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}: {found}"));
     terms
         .iter()
-        .map(|(path, truth)| (number(path) - truth) / number(&format!("/standard_errors{}", path.trim_start_matches("/axes"))))
+        .map(|(path, truth)| {
+            (number(path) - truth) / number(&format!("/standard_errors{}", path.trim_start_matches("/axes")))
+        })
         .collect()
 }
 
@@ -236,4 +238,150 @@ fn a_bar_whose_circle_does_not_fit_is_refused() {
     // The record's own form of call is as it was: an argument, and its errors.
     folder.bad(&["ballbar"], &["RECORD", "--radius-mm"]);
     folder.bad(&["ballbar", "missing.csv", "--radius-mm", "50"], &["missing.csv"]);
+}
+
+/// Figures of drives and friction, with which the plant is integrated.
+#[test]
+fn circles_show_the_friction_and_the_drives_that_a_machine_states() {
+    let folder = Folder::new(TRUEAXIS);
+    let axis = |letter: char, travel: &str, gain: f64, coulomb: f64| {
+        format!(
+            "[axis.{letter}]\ntravel_mm = {travel}\n[axis.{letter}.drive]\nposition_gain_per_s = {gain}\n\
+             velocity_gain_per_s = 800\nreset_time_s = 0.006\nvelocity_feed_forward = 0.9\n\
+             [axis.{letter}.friction]\ncoulomb_mm_per_s = {coulomb}\npresliding_um = 6\n"
+        )
+    };
+    let [x, y] = [axis('X', "[-100, 100]", 100.0, 0.5), axis('Y', "[-100, 100]", 120.0, 0.7)];
+    folder.write("m/machine.toml", format!("{HEAD}{x}{y}[axis.Z]\ntravel_mm = [-100, 100]\n"));
+    let size = ["--radius-mm", "10.0037", "--feeds", "1000,400", "--rate-hz", "2000"];
+    let call = ["friction", "simulate", "--machine", "m", "--axes", "X,Y", "-o", "record.csv"];
+    folder.both(&[&call[..], &size].concat());
+    // The drives as stated; the friction stated beside them does not enter the fit.
+    let found = folder.json(&["friction", "record.csv", "--axes", "X,Y", "--machine", "m", "--json"]);
+    for (own, coulomb) in [0.5, 0.7].into_iter().enumerate() {
+        let number = |path: &str| found["axes"][own].pointer(path).and_then(Value::as_f64).unwrap();
+        for (path, truth, share) in [("coulomb_mm_per_s", coulomb, 0.1), ("presliding_um", 6.0, 0.15)] {
+            let value = number(&format!("/friction/{path}"));
+            assert!((value / truth - 1.0).abs() < share, "axis {own}, {path}: {value} for {truth}");
+        }
+        assert!(number("/explained") > 0.98, "{found}");
+    }
+    folder.write("bare/machine.toml", format!("{HEAD}{NOMINAL}"));
+    let refused = |more: &[&str], parts: &[&str]| {
+        folder.bad(&[&["friction", "simulate", "-o", "out.csv", "--axes", "X,Y"], more].concat(), parts);
+    };
+    refused(&["--machine", "bare"], &["bare", "no [axis.X.drive]"]);
+    refused(&["--machine", "m", "--radius-mm", "0.5"], &["--radius-mm", "found 0.5", "needed 1 to 1000"]);
+    refused(&["--machine", "m", "--feeds", "600"], &["--feeds", "1 feeds", "two"]);
+    refused(&["--machine", "m", "--rate-hz", "50"], &["--rate-hz", "found 50", "needed 500 to 100000"]);
+    folder.bad(&["friction", "missing.csv", "--axes", "X,Y"], &["missing.csv"]);
+}
+
+/// The fit, which knows nothing of the bodies, leaves a small part of the drift of a shift that it has not seen.
+#[test]
+fn a_warm_up_of_simulated_bodies_is_fitted() {
+    let folder = Folder::new(TRUEAXIS);
+    folder.both(&["thermal", "simulate", "--shifts", "3", "-o", "record.csv"]);
+    let found = folder.json(&["thermal", "fit", "record.csv", "--json"]);
+    let [drift, left] = [0, 1].map(|k| found["held_out_um"][k].as_f64().unwrap());
+    assert!(drift > 10.0 && left < 0.3 * drift, "{left} of {drift} µm");
+    folder.bad(&["thermal", "simulate", "--at", "1,2,3", "-o", "out.csv"], &["--at", "[1.0, 2.0, 3.0]", "length"]);
+    folder.bad(&["thermal", "simulate", "--noise-um", "-1", "-o", "out.csv"], &["--noise-um", "found -1"]);
+}
+
+fn value(found: &Value, path: &str) -> [f64; 2] {
+    ["value", "standard_error"].map(|key| {
+        found.pointer(&format!("{path}/{key}")).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}: {found}"))
+    })
+}
+
+/// Squarenesses of the true machine, from points throughout the travels and from body diagonals.
+#[test]
+fn points_and_diagonals_show_the_true_squarenesses() {
+    let folder = folder();
+    let on = ["--machine", "true", "--seed", "5", "-o", "record.csv"];
+    let near = |found: &Value, path: &str, truth: f64| {
+        let [value, error] = value(found, path);
+        assert!((value - truth).abs() < 4.5 * error.max(0.05), "{path}: {value} ± {error} for {truth}");
+    };
+    folder.both(&[&["evaluate", "points", "simulate", "--points", "4,4,4"][..], &on].concat());
+    let points = folder.json(&["evaluate", "points", "record.csv", "--machine", "mill", "--json"]);
+    folder.both(&[&["evaluate", "step-diagonal", "simulate", "--runs", "2"][..], &on].concat());
+    let diagonals = folder.json(&["evaluate", "step-diagonal", "record.csv", "--json"]);
+    for (which, truth) in [("a0z_urad", 30.0), ("b0z_urad", -20.0), ("c0y_urad", 50.0)] {
+        near(&points, &format!("/squareness/{which}"), truth);
+        near(&diagonals, &format!("/{which}"), truth);
+    }
+    let refused = |what: &str, more: &[&str], parts: &[&str]| {
+        let call = ["evaluate", what, "simulate", "--machine", "true", "-o", "out.csv"];
+        folder.bad(&[&call[..], more].concat(), parts);
+    };
+    refused("points", &["--points", "1,4,4"], &["--points", "found 1", "needed 2 to 41"]);
+    refused("points", &["--points", "4"], &["\"4\"", "three whole numbers"]);
+    refused("step-diagonal", &["--margin-mm", "149"], &["--margin-mm", "found 149", "10 mm of Z"]);
+    refused("step-diagonal", &["--targets", "1"], &["--targets", "found 1", "needed 2 to 100"]);
+    refused("r-test", &["--ball-mm", "1,2,3", "--angles-deg", "0,0,9"], &["w X' Y' b Z t", "needed rotary axes"]);
+    folder.bad(&["evaluate", "points", "record.csv"], &["--machine"]);
+}
+
+/// A trunnion whose centre lines are off by micrometres and tens of microradians.
+#[test]
+fn an_r_test_shows_the_true_centre_lines() {
+    let folder = Folder::new(TRUEAXIS);
+    let machine =
+        "name = \"trunnion\"\nchain = \"w C' A' Y' b X Z t\"\n[axis.X]\n[axis.Y]\n[axis.Z]\n[axis.A]\n[axis.C]\n";
+    let terms = [("EX0C", 12.0), ("EY0C", -7.0), ("EA0C", 40.0), ("EB0C", -25.0), ("EY0A", 9.0), ("EZ0A", -4.0)];
+    let errors = terms.map(|(name, value)| {
+        format!("{name}_{} = {value}\n", if name.starts_with("EA") || name.starts_with("EB") { "urad" } else { "um" })
+    });
+    folder.write("nominal/machine.toml", machine);
+    folder.write("true/machine.toml", format!("{machine}[location]\n{}", errors.concat()));
+    let poses: Vec<String> = (0..24)
+        .map(|k| format!("{},0,{}", [0, -40, 30][k % 3], 15 * k))
+        .flat_map(|pose| ["--angles-deg".into(), pose])
+        .collect();
+    let call = ["evaluate", "r-test", "simulate", "--machine", "true", "--ball-mm", "60,20,-80", "-o", "r.csv"];
+    let call: Vec<&str> = call.into_iter().chain(poses.iter().map(String::as_str)).collect();
+    folder.both(&call);
+    let found = folder.json(&["evaluate", "r-test", "r.csv", "--machine", "nominal", "--json"]);
+    for (name, truth) in terms {
+        let own = found["terms"].as_array().unwrap().iter().find(|own| own["name"] == name).unwrap();
+        let [value, error] = value(own, "");
+        assert!((value - truth).abs() < 4.5 * error.max(0.02), "{name}: {value} ± {error} for {truth}");
+    }
+}
+
+/// Three lobes of 1.5 µm are a form error of 3 µm; without them a perfect machine has none.
+#[test]
+fn a_ring_and_a_sphere_show_the_lobes_of_the_probe() {
+    let folder = folder();
+    for (feature, lobes) in [("ring", "0"), ("ring", "1.5"), ("sphere", "0")] {
+        let call = ["--machine", "mill", "--noise-um", "0", "--lobes-um", lobes, "--feature", feature, "-o", "f.csv"];
+        folder.both(&[&["evaluate", "probing", "simulate"][..], &call].concat());
+        let call = ["evaluate", "probing", "f.csv", "--feature", feature, "--diameter-mm", "50", "--json"];
+        let found = folder.json(&call);
+        let [form, tip] = ["p_ftu_um", "effective_tip_diameter_mm"].map(|key| found[key].as_f64().unwrap());
+        let truth = 2.0 * lobes.parse::<f64>().unwrap();
+        assert!((form - truth).abs() < 0.05 && (tip - 6.0).abs() < 1e-4, "{feature} {lobes}: {form} {tip}");
+    }
+    let call = ["evaluate", "probing", "simulate", "--machine", "true", "--feature", "ring", "-o", "out.csv"];
+    folder.bad(&[&call[..], &["--tip-mm", "40"]].concat(), &["--tip-mm", "found 40", "needed 0.1 to 25 mm"]);
+    folder.bad(&[&call[..], &["--at-mm", "10,200,-150"]].concat(), &["at X 10", "0 to 500 mm"]);
+}
+
+#[test]
+fn a_spindle_drifts_more_than_the_hall() {
+    let folder = Folder::new(TRUEAXIS);
+    let range = |test: &str| -> f64 {
+        folder.both(&["evaluate", "thermal", "simulate", "--test", test, "-o", "t.csv"]);
+        let call = ["evaluate", "thermal", "t.csv", "--test", test, "--distance-mm", "100", "--json"];
+        let channels = folder.json(&call)["positions"][0]["channels"].clone();
+        let z =
+            channels.as_array().unwrap().iter().find(|own| own["name"] == "Z").unwrap_or_else(|| panic!("{channels}"));
+        z["range"].as_f64().unwrap()
+    };
+    let [etve, spindle, axis] = ["etve", "spindle", "axis"].map(range);
+    assert!(etve > 0.5 && spindle > 2.0 * etve && axis > 0.5, "{etve} {spindle} {axis}");
+    folder
+        .bad(&["evaluate", "thermal", "simulate", "--hours", "9", "-o", "t2.csv"], &["--hours", "found 9", "0.5 to 8"]);
 }

@@ -20,7 +20,7 @@ const HELP: &str = "\
 A rehearsal: write a record, identify it, and see how well it finds figures that you state:
 
   trueaxis friction simulate --machine true --axes X,Y -o record.csv
-  trueaxis friction record.csv --axes X,Y
+  trueaxis friction record.csv --axes X,Y --machine true
 
 TRUE states the true figures in [axis.X.drive] and [axis.X.friction] of its machine.toml, for both axes. The circles \
 begin and end at rest, at two feeds, each in both directions, about the middle of the travels. Drives are integrated \

@@ -46,9 +46,8 @@ impl IsoTest {
         let moves = matches!(self.load, Load::Axes(_));
         let mut text = String::from("t_s,position,x1_um,y1_um,z_um,x2_um,y2_um,ambient_c,spindle_c,machine_c\n");
         let [length, apart] = self.mandrel_mm;
-        let now = |bodies: &Bodies, [x, y, z]: [f64; 3]| {
-            [length, length - apart].map(|tool| drift(bodies, [x, y, z, tool]))
-        };
+        let now =
+            |bodies: &Bodies, [x, y, z]: [f64; 3]| [length, length - apart].map(|tool| drift(bodies, [x, y, z, tool]));
         let zero = self.at_mm.map(|at| now(&bodies, at));
         for t in (0..=self.duration_s).step_by(STEP_S as usize) {
             let air_c = shift.at(t).air_c;

@@ -15,8 +15,8 @@ mod bodies;
 mod corrected;
 mod drift;
 mod duty;
-mod iso_test;
 mod instruments;
+mod iso_test;
 mod outcome;
 
 pub use instruments::SENSORS;

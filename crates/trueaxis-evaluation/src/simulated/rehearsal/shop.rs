@@ -110,7 +110,10 @@ impl FollowedBall {
             bail!("found the chain {:?}, needed rotary axes", settings.chain.as_str());
         }
         let missing = |angles: &[f64; 3]| {
-            [Axis::A, Axis::B, Axis::C].into_iter().zip(*angles).find(|(axis, deg)| *deg != 0.0 && !rotary.contains(axis))
+            [Axis::A, Axis::B, Axis::C]
+                .into_iter()
+                .zip(*angles)
+                .find(|(axis, deg)| *deg != 0.0 && !rotary.contains(axis))
         };
         if let Some((axis, deg)) = self.angles_deg.iter().find_map(missing) {
             bail!("--angles-deg: found {deg} of {}, needed an axis of the machine", axis.letter());
