@@ -164,9 +164,11 @@ fn bad_calls_of_a_rehearsal_say_what_is_needed() {
         &["calibrate", "simulate", "task.toml", "--machine", "true", "-o", "true/x.csv"],
         &["true/x.csv", "input"],
     );
-    // A machine so wrong that the program misses its artefacts.
-    folder.write("true/x.csv", "X_mm,EXX_um\n0,0\n500,9000\n");
-    refused(&["--machine", "true"], &["task.toml", "line", "needed"]);
+    // A machine so wrong that the program misses its artefacts, or runs into them.
+    let short = "tip_radius_mm = 3.0\napproach_mm = 0.4\novertravel_mm = 0.4\n";
+    folder.write("task.toml", task("linuxcnc").replace("tip_radius_mm = 3.0\n", short));
+    folder.write("true/x.csv", "X_mm,EXX_um\n0,1000\n500,1000\n");
+    refused(&["--machine", "true"], &["task.toml: the program of this task", "line ", "found ", "needed "]);
 }
 
 /// Balls that a shift has moved relative to the tables in force.

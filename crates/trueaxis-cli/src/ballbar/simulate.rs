@@ -48,8 +48,7 @@ pub(crate) struct SimulateArgs {
 }
 
 impl Rehearsal for SimulateArgs {
-    const ABOUT: &'static str =
-        "Write the record that a bar would give on a machine of stated errors, noise and drift.";
+    const ABOUT: &'static str = "Write the record that a bar would give on a machine of stated errors, noise and drift";
     const EXAMPLE: &'static str = EXAMPLE;
     const HELP: &'static str = HELP;
 }

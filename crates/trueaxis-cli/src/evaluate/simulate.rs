@@ -40,7 +40,7 @@ pub(crate) struct PointsArgs {
 
 rehearsal!(
     PointsArgs,
-    "Write the points that a tracer would measure on a machine of stated errors, noise and drift.",
+    "Write the points that a tracer would measure on a machine of stated errors, noise and drift",
     "  trueaxis evaluate points simulate \\\n      --machine compensation-tables/mill-3axis -o tracer.csv",
     ON_MACHINE
 );
@@ -73,7 +73,7 @@ pub(crate) struct RTestArgs {
 
 rehearsal!(
     RTestArgs,
-    "Write the R-test that a machine of stated errors would give, with noise and drift.",
+    "Write the R-test that a machine of stated errors would give, with noise and drift",
     "  trueaxis evaluate r-test simulate --machine records/trunnion \\\n      --ball-mm 60,0,-80 --angles-deg 0,0,0 --angles-deg 0,0,90 \\\n      \
      --angles-deg 0,0,180 --angles-deg 0,0,270 -o r-test.csv",
     ON_MACHINE
@@ -110,7 +110,7 @@ pub(crate) struct StepDiagonalArgs {
 
 rehearsal!(
     StepDiagonalArgs,
-    "Write the diagonal test that a machine of stated errors would give, with noise and drift.",
+    "Write the diagonal test that a machine of stated errors would give, with noise and drift",
     "  trueaxis evaluate step-diagonal simulate \\\n      --machine compensation-tables/mill-3axis -o diagonal.csv",
     ON_MACHINE
 );
@@ -161,7 +161,7 @@ pub(crate) struct ProbingArgs {
 
 rehearsal!(
     ProbingArgs,
-    "Write the touches that a probe would give on a machine of stated errors, with noise and drift.",
+    "Write the touches that a probe would give on a machine of stated errors, with noise and drift",
     "  trueaxis evaluate probing simulate --feature ring --machine records/probing/true \\\n      -o ring.csv",
     "\
 A ring gets 36 touches, a sphere 25 over its upper half, a point 10 of a face. The feature stands some 0.1 mm beside its \
@@ -212,7 +212,7 @@ pub(crate) struct ThermalArgs {
 
 rehearsal!(
     ThermalArgs,
-    "Write the record that a machine of simulated bodies would give in a thermal test.",
+    "Write the record that a machine of simulated bodies would give in a thermal test",
     "  trueaxis evaluate thermal simulate --test spindle -o spindle.csv",
     "\
 The machine is that of `trueaxis thermal simulate`. The mandrel is as long as the probes are apart and 40 mm more; it is \

@@ -60,7 +60,7 @@ pub(crate) struct SimulateArgs {
 }
 
 impl Rehearsal for SimulateArgs {
-    const ABOUT: &'static str = "Write the record that circles would give on drives of stated figures and friction.";
+    const ABOUT: &'static str = "Write the record that circles would give on drives of stated figures and friction";
     const EXAMPLE: &'static str = EXAMPLE;
     const HELP: &'static str = HELP;
 }
