@@ -162,7 +162,7 @@ pub(crate) struct ProbingArgs {
 rehearsal!(
     ProbingArgs,
     "Write the touches that a probe would give on a machine of stated errors, with noise and drift",
-    "  trueaxis evaluate probing simulate --feature ring --machine records/probing/true \\\n      -o ring.csv",
+    "  trueaxis evaluate probing simulate --machine records/probing/true \\\n      --feature ring -o ring.csv",
     "\
 A ring gets 36 touches, a sphere 25 over its upper half, a point 10 of a face. The feature stands some 0.1 mm beside its \
 place. The tip trips where it touches, apart from lobes and noise. TRUE is a machine.toml, whose tables, location errors \

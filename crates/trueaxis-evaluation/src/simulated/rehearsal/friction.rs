@@ -66,7 +66,8 @@ impl FrictionCircles {
     }
 
     fn settings(&self, drive: DriveSettings, conditions: &Conditions) -> Settings {
-        let mut settings = Settings { rate_hz: self.rate_hz, seed: conditions.seed & (u64::MAX >> 1), drive, ..Settings::default() };
+        let mut settings =
+            Settings { rate_hz: self.rate_hz, seed: conditions.seed & (u64::MAX >> 1), drive, ..Settings::default() };
         settings.encoder.linear.noise_rms_mm = 1e-3 * conditions.noise_um.unwrap_or(ENCODER_UM);
         let axes = [&mut settings.axis.x, &mut settings.axis.y, &mut settings.axis.z];
         for own in axes {

@@ -101,7 +101,9 @@ pub fn truth_of(nominal: &Machine, truth: &Machine) -> Result<Machine> {
     let words = |machine: &Machine| machine.settings.chain.split_whitespace().collect::<Vec<_>>().join(" ");
     let [own, needed] = [truth, nominal].map(words);
     if own != needed {
-        bail!("found the chain {own:?}, needed {needed:?}: the true machine and the one that corrects it have one structure");
+        bail!(
+            "found the chain {own:?}, needed {needed:?}: the true machine and the one that corrects it have one structure"
+        );
     }
     let mut truth = truth.clone();
     truth.settings.tool_mm = nominal.settings.tool_mm;
