@@ -207,6 +207,7 @@ impl Bench<'_> {
     }
 
     fn error(&self, found: String, needed: &str) -> SimError {
+        let found = format!("found {found}");
         SimError::Line { program: "probing".into(), line: self.line, found, needed: needed.into() }
     }
 
