@@ -20,7 +20,7 @@ A rehearsal: write a record, evaluate it, and see how well it finds errors that 
   trueaxis ballbar record.csv --radius-mm 100
 
 TRUE is a machine.toml, whose tables, location errors and backlash are the true errors. The bar reads the distance of \
-the true tip from a pivot that stands some 20 µm beside the centre. Each circle begins half a turn before its readings; \
+the true tip from a pivot some 20 µm beside the centre. Each circle begins half a turn before its readings; \
 lost motion is taken up along the way. Rotary axes are at zero.
 
 Drives are not simulated: servo mismatch and reversal spikes are zero. `trueaxis friction simulate` records circles \

@@ -36,8 +36,8 @@ TRUE is a machine of the same chain, whose tables, location errors and backlash 
 task's machine: location errors, scales, backlash and points of tables, each with the standard uncertainty that the \
 machine's files state. --save-true writes that machine, to compare it with the machine found.
 
-Ring, ball and the other artefacts get true sizes within their uncertainty, and stand up to 0.6 mm and about 0.5 mrad \
-beside their places; the tip trips pre_travel_um after the touch, within tip_uncertainty_um if that is stated. Every \
+Ring, ball and the other artefacts get true sizes within their uncertainty, and are up to 0.6 mm and about 0.5 mrad \
+off their places; the tip trips pre_travel_um after the touch, within tip_uncertainty_um if that is stated. Every \
 pause lasts five minutes.";
 
 const SOLVE: &str = "\

@@ -164,7 +164,7 @@ rehearsal!(
     "Write the touches that a probe would give on a machine of stated errors, with noise and drift",
     "  trueaxis evaluate probing simulate --machine records/probing/true \\\n      --feature ring -o ring.csv",
     "\
-A ring gets 36 touches, a sphere 25 over its upper half, a point 10 of a face. The feature stands some 0.1 mm beside its \
+A ring gets 36 touches, a sphere 25 over its upper half, a point 10 of a face. The feature is some 0.1 mm off its \
 place. The tip trips where it touches, apart from lobes and noise. TRUE is a machine.toml, whose tables, location errors \
 and backlash are the true errors; with --corrected-by the tables of another one correct it."
 );

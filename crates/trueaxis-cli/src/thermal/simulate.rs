@@ -19,8 +19,8 @@ A rehearsal: write a record, fit it, and see what would remain:
   trueaxis thermal fit record.csv -o thermal.toml
 
 The machine is a mill of bodies with two nodes each, skin and core, which spindle, feed, coolant and the air of the hall \
-warm; its column bends, its spindle and screw grow. It has neither lags nor curves of the fitted model, which it makes \
-drift by some 50 µm a shift. Every five minutes of a shift of eight hours the drift is probed at every --at; shifts \
+warm; its column bends, its spindle and screw grow. It has neither lags nor curves of the fitted model, and drifts \
+by 50 to 100 µm a shift. Every five minutes of a shift of eight hours the drift is probed at every --at; shifts \
 begin 24 h apart, and the seed draws their speeds and spells. Sensors T1 to T9 are on nose, head, column front and back, \
 bed, screw, table, coolant and in the air; they read in steps of 1/16 K.";
 

@@ -39,8 +39,8 @@ impl Circles {
         OutOfRange::check("feed_mm_per_min", self.feed_mm_per_min, 1.0..=1e5, "mm/min")
     }
 
-    /// The record of a bar, in the format that `trueaxis ballbar` reads: the distance of the true tip from a pivot that
-    /// stands some 20 µm beside the centre, less the radius.
+    /// The record of a bar, in the format that `trueaxis ballbar` reads: the distance of the true tip from a pivot some
+    /// 20 µm beside the centre, less the radius.
     ///
     /// # Errors
     /// A circle that leaves the travel, an axis that the machine lacks, a travel that is not stated where it is needed.

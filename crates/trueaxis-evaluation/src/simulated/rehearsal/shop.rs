@@ -9,7 +9,7 @@ use std::fmt::Write;
 use trueaxis::Axis;
 use trueaxis::machine::AXES;
 
-/// How an instrument of points stands beside its stated place: mm and rad, standard deviations.
+/// Standard deviations of the place of an instrument of points, mm and rad.
 const INSTRUMENT: [f64; 2] = [0.05, 50e-6];
 /// Standard deviation of a ball's place, mm.
 const BALL_OFF_MM: f64 = 0.02;
@@ -44,7 +44,7 @@ pub struct TracedPoints {
 
 impl TracedPoints {
     /// The record in the format that `trueaxis evaluate points` reads. Every point is approached in positive travel; the
-    /// instrument stands some 0.05 mm and 50 µrad beside its place.
+    /// instrument is some 0.05 mm and 50 µrad off its place.
     ///
     /// # Errors
     /// Numbers of points out of their range, an axis without travel.
@@ -98,8 +98,8 @@ pub struct FollowedBall {
 }
 
 impl FollowedBall {
-    /// The record in the format that `trueaxis evaluate r-test` reads: the displacement of the true tool from a ball that
-    /// stands some 20 µm beside its place, in the machine's directions. The commands are those of RTCP on a perfect machine.
+    /// The record in the format that `trueaxis evaluate r-test` reads: the displacement of the true tool from a ball some
+    /// 20 µm off its place, in the machine's directions. The commands are those of RTCP on a perfect machine.
     ///
     /// # Errors
     /// No rotary axis, an angle of an axis that the machine lacks, a command outside the travel.
