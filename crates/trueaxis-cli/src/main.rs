@@ -28,6 +28,7 @@ mod probe_angles;
 mod probes;
 mod report;
 mod roundness;
+mod simulate;
 mod tables;
 mod telemetry;
 mod thermal;
@@ -111,7 +112,7 @@ enum Command {
     Circle(circle::CircleArgs),
     /// Evaluate a circular test after ISO 230-4 and find the causes of its deviation.
     #[command(before_help = ballbar::EXAMPLE, after_help = ballbar::HELP)]
-    Ballbar(ballbar::BallbarArgs),
+    Ballbar(ballbar::Ballbar),
     /// Evaluate records of tests with instruments, after ISO 230 and ISO 10791.
     #[command(subcommand, before_help = evaluate::EXAMPLE)]
     Evaluate(evaluate::Command),
@@ -132,7 +133,7 @@ enum Command {
     Identify(identify::IdentifyArgs),
     /// Identify the friction of two axes, and their drives' figures, from recorded circles.
     #[command(before_help = friction::EXAMPLE, after_help = friction::HELP)]
-    Friction(friction::FrictionArgs),
+    Friction(friction::Friction),
     /// Bound the contour error that the servo may leave along a program where the drives' figures are not known exactly.
     #[command(before_help = predict_servo::EXAMPLE, after_help = predict_servo::HELP)]
     PredictServo(predict_servo::PredictServoArgs),

@@ -25,6 +25,15 @@ pub(crate) fn triple(text: &str) -> Result<[f64; 3], String> {
     values.try_into().map_err(|_| format!("found {count}, needed three: X,Y,Z"))
 }
 
+/// One finite number, or three: X,Y,Z.
+pub(crate) fn one_or_triple(text: &str) -> Result<Numbers, String> {
+    let values = numbers(text)?;
+    match values.len() {
+        1 | 3 => Ok(values),
+        count => Err(format!("found {}, needed one or three: X,Y,Z", counted(count, "number"))),
+    }
+}
+
 /// Parses the sense of an axis.
 pub(crate) fn sense(text: &str) -> Result<i8, String> {
     match text.trim() {

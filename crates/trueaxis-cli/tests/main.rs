@@ -27,6 +27,7 @@ mod one_at_a_time;
 mod predict_servo;
 mod ranges;
 mod roundness;
+mod simulate;
 mod telemetry;
 mod thermal;
 mod uncertainty;

@@ -14,7 +14,8 @@
 //!
 //! [`run`] simulates a part program, [`grinding`] a crankpin under the three-probe gauge, [`ball_test`] the test of a
 //! five-axis head, [`friction`] circles from which friction is identified, [`warming`] shifts over which a machine grows,
-//! [`exchange`] new tables in motion. Equal inputs and seeds give equal results on every host, including browsers: angles and
+//! [`exchange`] new tables in motion, [`measured`] a machine under an
+//! instrument. Equal inputs and seeds give equal results on every host, including browsers: angles and
 //! exponentials come from libm, not from the host.
 //!
 //! The crate's README shows a run from tables to figures.
@@ -32,6 +33,7 @@ pub mod grinding;
 mod learned;
 pub mod learning;
 mod limit_watch;
+pub mod measured;
 mod message;
 pub mod motion;
 pub mod path;

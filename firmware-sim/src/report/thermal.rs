@@ -1,7 +1,6 @@
 //! A warming: its tables, the figures of its page, its record.
 
 use maud::{Markup, html};
-use std::fmt::Write;
 use trueaxis_evaluation::shown::{Cell, Shown, Table};
 use trueaxis_report::number::{count, quantity, significant};
 use trueaxis_report::{Figure, Scale, Stroke, colour};
@@ -10,23 +9,7 @@ use trueaxis_sim::warming::{Outcome, SENSORS, Warming};
 /// The record in the format that `trueaxis thermal fit` reads; sensors T1 to T9 in the order of [`SENSORS`].
 #[must_use]
 pub fn record(outcome: &Outcome) -> String {
-    let mut text = String::from("t_s,cycle,spindle_rpm,x_mm,y_mm,z_mm,tool_mm,ex_um,ey_um,ez_um");
-    for (number, _) in (1..).zip(SENSORS) {
-        let _ = write!(text, ",T{number}_c");
-    }
-    text.push('\n');
-    for sample in &outcome.record.samples {
-        let [x, y, z] = sample.position_mm;
-        let _ = write!(text, "{},{},{},{x},{y},{z},{}", sample.t_s, sample.cycle, sample.spindle_rpm, sample.tool_mm);
-        for error in &sample.error_mm {
-            let _ = write!(text, ",{:.3}", 1e3 * error);
-        }
-        for temperature in &sample.temperatures_c {
-            let _ = write!(text, ",{temperature}");
-        }
-        text.push('\n');
-    }
-    text
+    trueaxis_sim::warming::csv(&outcome.record)
 }
 
 /// The page as one HTML document that is also well-formed XML.

@@ -1,10 +1,12 @@
 //! `trueaxis calibrate`.
 
 mod plan;
+mod simulate;
 mod solve;
 
 use crate::machine_folder::Writing;
 use crate::model;
+use crate::simulate::{Disturbances, Truth};
 use anyhow::Result;
 use clap::{Args, Subcommand};
 use std::path::{Path, PathBuf};
@@ -15,6 +17,28 @@ use trueaxis_tables::files::Folder;
 pub(crate) const EXAMPLE: &str = "\
 Example:
   trueaxis calibrate plan records/probing/task.toml -o probe.ngc";
+
+const SIMULATE: &str = "\
+Example:
+  trueaxis calibrate simulate records/probing/task.toml \\
+      --machine records/probing/true -o probe.log";
+
+const SIMULATED: &str = "\
+A rehearsal: plan, simulate and solve a task at the desk, and see how well it finds errors that you state, before the \
+machine is touched:
+
+  trueaxis calibrate plan task.toml -o probe.ngc
+  trueaxis calibrate simulate task.toml --machine true -o probe.log
+  trueaxis calibrate solve task.toml probe.log -o found
+
+TRUE is a machine of the same chain, whose tables, location errors and backlash are the true errors; with `compensated \
+= true` the tables of the task's machine correct it. Without --machine the true errors are drawn about those of the \
+task's machine: location errors, scales, backlash and points of tables, each with the standard uncertainty that the \
+machine's files state. --save-true writes that machine, to compare it with the machine found.
+
+Ring, ball and the other artefacts get true sizes within their uncertainty, and are up to 0.6 mm and about 0.5 mrad \
+off their places; the tip trips pre_travel_um after the touch, within tip_uncertainty_um if that is stated. Every \
+pause lasts five minutes.";
 
 const SOLVE: &str = "\
 Example:
@@ -49,6 +73,9 @@ pub(crate) enum Command {
     /// Write the probing program of a task; refuse a task whose places cannot separate the terms.
     #[command(before_help = EXAMPLE)]
     Plan(PlanArgs),
+    /// Write the log that the program would give on a machine of stated errors, noise and drift.
+    #[command(before_help = SIMULATE, after_help = SIMULATED)]
+    Simulate(SimulateArgs),
     /// Turn the log of the program into errors of the machine, and write the machine with them.
     #[command(before_help = SOLVE)]
     Solve(SolveArgs),
@@ -65,6 +92,23 @@ pub(crate) struct PlanArgs {
     /// Print one JSON document with the expected standard error of every term.
     #[arg(long, requires = "output")]
     json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct SimulateArgs {
+    /// Machine, probe, artefacts and places.
+    #[arg(value_name = "TASK.toml")]
+    task: PathBuf,
+    #[command(flatten)]
+    truth: Truth,
+    #[command(flatten)]
+    disturbances: Disturbances,
+    /// Number of the set-up, from which the artefacts' true sizes and places and the tip are drawn [default: the seed].
+    #[arg(long, value_name = "N")]
+    set_up: Option<u64>,
+    /// The log, in the format of the task's control [default: standard output].
+    #[arg(short, long, value_name = "LOG")]
+    output: Option<PathBuf>,
 }
 
 #[derive(Args)]
@@ -97,6 +141,7 @@ pub(crate) struct SolveArgs {
 pub(crate) fn run(command: &Command) -> Result<()> {
     match command {
         Command::Plan(arguments) => plan::run(arguments),
+        Command::Simulate(arguments) => simulate::run(arguments),
         Command::Solve(arguments) => solve::run(arguments),
     }
 }

@@ -48,7 +48,7 @@ pub(crate) struct ProbingArgs {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Of {
+pub(super) enum Of {
     /// A ring.
     Ring,
     /// A sphere.
@@ -57,13 +57,19 @@ enum Of {
     Point,
 }
 
+impl Of {
+    pub(super) fn feature(self) -> Feature {
+        match self {
+            Of::Ring => Feature::Ring,
+            Of::Sphere => Feature::Sphere,
+            Of::Point => Feature::Point,
+        }
+    }
+}
+
 pub(crate) fn run(arguments: &ProbingArgs) -> Result<()> {
     check(arguments.diameter_mm).map_err(|wrong| wrong.option())?;
-    let feature = match arguments.feature {
-        Of::Ring => Feature::Ring,
-        Of::Sphere => Feature::Sphere,
-        Of::Point => Feature::Point,
-    };
+    let feature = arguments.feature.feature();
     let record =
         Record::read(&mut csv_in::open(&arguments.record, &COLUMNS, "points")?, feature, arguments.diameter_mm)?;
     let document = ProbingDocument::new(&record);

@@ -57,7 +57,7 @@ pub(crate) struct ThermalTestArgs {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Kind {
+pub(super) enum Kind {
     /// Environmental temperature variation error.
     Etve,
     /// Rotating spindle.

@@ -1,7 +1,10 @@
 //! `trueaxis friction`.
 
+mod simulate;
+
 use crate::machine_folder::{self, Writing};
 use crate::output::{print, progress};
+use crate::simulate::OrSimulate;
 use crate::{csv_in, model, report};
 use anyhow::Result;
 use clap::Args;
@@ -48,8 +51,13 @@ from its stated value by more than two combined standard uncertainties, or if no
 if all agree, their means with one weight are written; nothing is written if the spikes do not fit.
 
 More examples:
+  # A rehearsal, see its own help:
+  trueaxis friction simulate --machine mymill --axes X,Y -o record.csv
   trueaxis friction record.csv --axes X,Y --report out -o friction.toml
   trueaxis friction record.csv --axes X,Y --machine mymill -o mymill";
+
+/// A record to evaluate, or the rehearsal.
+pub(crate) type Friction = OrSimulate<FrictionArgs, simulate::SimulateArgs>;
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
@@ -86,7 +94,14 @@ pub(crate) struct FrictionArgs {
     writing: Writing,
 }
 
-pub(crate) fn run(arguments: &FrictionArgs) -> Result<()> {
+pub(crate) fn run(arguments: &Friction) -> Result<()> {
+    match arguments {
+        OrSimulate::Evaluate(arguments) => identify(arguments),
+        OrSimulate::Simulate(arguments) => simulate::run(arguments),
+    }
+}
+
+fn identify(arguments: &FrictionArgs) -> Result<()> {
     let output = arguments.writing.output(arguments.output.as_deref());
     let (file, into) = machine_folder::file_or_folder(output, "toml", arguments.machine.is_some());
     let _alone = into.map(machine_folder::alone).transpose()?;

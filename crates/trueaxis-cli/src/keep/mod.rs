@@ -4,9 +4,11 @@ mod apply;
 mod history;
 mod plan;
 mod reprobing;
+mod simulate;
 mod table;
 mod undo;
 
+use crate::simulate::{Disturbances, Truth};
 use anyhow::Result;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
@@ -15,6 +17,27 @@ use trueaxis_evaluation::keep::time;
 pub(crate) const EXAMPLE: &str = "\
 Example:
   trueaxis keep plan records/probing/keep.toml -o look.ngc";
+
+const SIMULATE: &str = "\
+Example:
+  trueaxis keep simulate records/probing/keep.toml \\
+      --machine records/probing/warm -o look.log";
+
+const SIMULATED: &str = "\
+A rehearsal of a shift, on a copy of the machine's folder:
+
+  trueaxis keep simulate keep.toml --machine mill -o begin.log
+  trueaxis keep begin keep.toml begin.log
+  # The machine as it has moved since:
+  trueaxis keep simulate keep.toml --machine warm --seed 2 -o look.log
+  trueaxis keep check keep.toml look.log
+
+TRUE is a machine of the same chain, whose tables, location errors and backlash are the true errors; the tables of the \
+task's machine correct it, as they do when the control runs the program. Without --machine the true errors are drawn \
+about those of the task's machine, within the standard uncertainties that its files state.
+
+The balls stay where they are as long as --set-up stays the same, up to 0.6 mm beside their stated places; their \
+diameters are drawn from it within their uncertainty. The tip trips within tip_uncertainty_um of pre_travel_um.";
 
 const BEGIN: &str = "\
 Example:
@@ -95,6 +118,9 @@ pub(crate) enum Command {
     /// Write the probing program, which runs without a pause, and print the expected uncertainty of every term.
     #[command(before_help = EXAMPLE)]
     Plan(PlanArgs),
+    /// Write the log that the program would give on a machine of stated errors, noise and drift.
+    #[command(before_help = SIMULATE, after_help = SIMULATED)]
+    Simulate(SimulateArgs),
     /// Evaluate the first probing, with which all later ones are compared; the machine is not changed.
     #[command(before_help = BEGIN)]
     Begin(ReprobingArgs),
@@ -123,6 +149,23 @@ pub(crate) struct PlanArgs {
     /// Print one JSON document with the expected standard error of every term.
     #[arg(long, requires = "output")]
     json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct SimulateArgs {
+    /// Machine, probe, balls and bounds.
+    #[arg(value_name = "KEEP.toml")]
+    task: PathBuf,
+    #[command(flatten)]
+    truth: Truth,
+    #[command(flatten)]
+    disturbances: Disturbances,
+    /// Number of the set-up, from which the balls' true diameters and places are drawn, and how the tip trips.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    set_up: u64,
+    /// The log, in the format of the task's control [default: standard output].
+    #[arg(short, long, value_name = "LOG")]
+    output: Option<PathBuf>,
 }
 
 #[derive(Args)]
@@ -191,6 +234,7 @@ pub(crate) struct HistoryArgs {
 pub(crate) fn run(command: &Command) -> Result<()> {
     match command {
         Command::Plan(arguments) => plan::run(arguments),
+        Command::Simulate(arguments) => simulate::run(arguments),
         Command::Begin(arguments) => reprobing::begin(arguments),
         Command::Check(arguments) => reprobing::check(arguments),
         Command::Apply(arguments) => apply::run(arguments),

@@ -2,6 +2,7 @@
 
 mod compile;
 mod fit;
+mod simulate;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -13,6 +14,9 @@ pub(crate) enum Command {
     /// Find lags of sensors and curves of growth from a recorded warm-up after ISO 230-3.
     #[command(before_help = fit::EXAMPLE, after_help = fit::HELP)]
     Fit(fit::ThermalFitArgs),
+    /// Write the record that a machine of simulated bodies would give while it warms up.
+    #[command(before_help = simulate::EXAMPLE, after_help = simulate::HELP)]
+    Simulate(simulate::ThermalSimulateArgs),
     /// Compile a thermal.toml into the file that the controller's task reads.
     #[command(before_help = compile::EXAMPLE, after_help = compile::HELP)]
     Compile(compile::ThermalCompileArgs),
@@ -21,6 +25,7 @@ pub(crate) enum Command {
 pub(crate) fn run(command: Command) -> Result<()> {
     match command {
         Command::Fit(arguments) => fit::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Compile(arguments) => compile::run(&arguments),
     }
 }

@@ -10,4 +10,6 @@ pub mod grinding;
 #[cfg(feature = "simulated")]
 pub mod keeping;
 #[cfg(feature = "simulated")]
+pub mod rehearsal;
+#[cfg(feature = "simulated")]
 pub mod servo;

@@ -7,10 +7,10 @@ use trueaxis::tcomp::Tcomp;
 use trueaxis_tables::{Machine, compile};
 
 /// Corrected command for a command: from positions and directions of travel (1: negative), in the order of the true machine.
-pub(super) type Sent<'s> = dyn Fn(&[f64; AXES], &[f64; AXES]) -> [f64; AXES] + 's;
+pub(crate) type Sent<'s> = dyn Fn(&[f64; AXES], &[f64; AXES]) -> [f64; AXES] + 's;
 
 /// Lends out the correction by the tables of `known` for a machine with axes in the order of `truth`.
-pub(super) fn with_correction<T>(
+pub(crate) fn with_correction<T>(
     truth: &MachineSettings,
     known: &Machine,
     user: impl FnOnce(&Sent<'_>) -> Result<T>,

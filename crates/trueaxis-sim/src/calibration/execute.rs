@@ -27,6 +27,9 @@ pub enum Host {
     LinuxCnc,
     /// `[MSG:…]` and `[PRB:…]` on the console.
     GrblHal,
+    /// `// trueaxis touch 17 X:… Y:… Z:… tripped:1` on the console; executes the program of LinuxCNC, in which every touch is
+    /// the same.
+    Klipper,
 }
 
 /// Movement of the workpiece's frame relative to the tool: a constant rate, and a part that settles.
@@ -41,7 +44,7 @@ pub struct Drift {
 }
 
 impl Drift {
-    fn at(&self, time_s: f64) -> DVec3 {
+    pub(crate) fn at(&self, time_s: f64) -> DVec3 {
         let share = if self.lag_s > 0.0 { 1.0 - libm::exp(-time_s / self.lag_s) } else { 0.0 };
         self.rate * (time_s / 3600.0) + self.settles * share
     }
@@ -204,6 +207,7 @@ impl Bench<'_> {
     }
 
     fn error(&self, found: String, needed: &str) -> SimError {
+        let found = format!("found {found}");
         SimError::Line { program: "probing".into(), line: self.line, found, needed: needed.into() }
     }
 
@@ -258,10 +262,11 @@ impl Bench<'_> {
             rest.split(')').next()
         };
         match self.probing.host {
-            Host::LinuxCnc => {
+            Host::LinuxCnc | Host::Klipper => {
                 if let Some(text) = comment("(LOG,") {
                     let expanded = self.expanded(text);
-                    let _ = writeln!(self.log, "{expanded}");
+                    let line = if self.probing.host == Host::Klipper { of_klipper(&expanded) } else { expanded };
+                    let _ = writeln!(self.log, "{line}");
                 }
             }
             Host::GrblHal => {
@@ -293,5 +298,14 @@ impl Bench<'_> {
             }
         }
         out
+    }
+}
+
+/// A line of LinuxCNC's log as the macro of integrations/klipper prints it.
+fn of_klipper(line: &str) -> String {
+    let words: Vec<&str> = line.split(' ').collect();
+    match words.as_slice() {
+        ["touch", id, x, y, z, ..] => format!("// trueaxis touch {id} X:{x} Y:{y} Z:{z} tripped:1"),
+        _ => format!("// {line}"),
     }
 }

@@ -14,6 +14,8 @@ mod execute;
 mod random;
 mod volumetric;
 
+pub(crate) use correction::{Sent, with_correction};
+
 pub use artefact::Artefact;
 pub use execute::{Drift, Host, Probing, execute};
 pub use random::{Class, random_five_axis, random_machine};

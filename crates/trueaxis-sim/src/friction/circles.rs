@@ -216,13 +216,19 @@ impl Pass {
 
     /// The record in the format that `trueaxis friction` reads.
     pub fn csv(&self) -> String {
-        let Log { axes, drive, reading, period_s, .. } = &self.log;
-        let [first, second] = axes.map(|axis| axis.letter().to_ascii_lowercase());
-        let mut text = format!("t_s,{first}_cmd_mm,{first}_mm,{second}_cmd_mm,{second}_mm\n");
-        for k in 0..drive[0].len() {
-            let [time, x, y] = [k as f64 * period_s, drive[0][k], drive[1][k]];
-            let _ = writeln!(text, "{time:.6},{x:.7},{:.7},{y:.7},{:.7}", reading[0][k], reading[1][k]);
-        }
-        text
+        joined([self, self])
     }
+}
+
+/// The record of two passes of the same circles: the first axis as in the one, the second as in the other.
+pub fn joined(passes: [&Pass; 2]) -> String {
+    let logs = passes.map(|pass| &pass.log);
+    let [first, second] = [0, 1].map(|i| logs[i].axes[i].letter().to_ascii_lowercase());
+    let mut text = format!("t_s,{first}_cmd_mm,{first}_mm,{second}_cmd_mm,{second}_mm\n");
+    for k in 0..logs[0].drive[0].len().min(logs[1].drive[1].len()) {
+        let time = k as f64 * logs[0].period_s;
+        let [[x, at_x], [y, at_y]] = [0, 1].map(|i| [logs[i].drive[i][k], logs[i].reading[i][k]]);
+        let _ = writeln!(text, "{time:.6},{x:.7},{at_x:.7},{y:.7},{at_y:.7}");
+    }
+    text
 }

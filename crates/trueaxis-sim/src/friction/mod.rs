@@ -10,7 +10,7 @@
 mod circles;
 mod outcome;
 
-pub use circles::{Circles, Pass, Plane, Recorder};
+pub use circles::{Circles, Pass, Plane, Recorder, joined};
 pub use outcome::{AxisOutcome, Figures, Outcome, Pair, Spikes};
 
 use crate::error::SimError;

@@ -16,15 +16,18 @@ mod corrected;
 mod drift;
 mod duty;
 mod instruments;
+mod iso_test;
 mod outcome;
 
 pub use instruments::SENSORS;
+pub use iso_test::{IsoTest, Load};
 pub use outcome::{Moment, Outcome, PointError};
 
 use crate::error::Result;
 use bodies::Bodies;
 use duty::{Kind, Shift};
 use instruments::{Probe, Sensors};
+use std::fmt::Write;
 use trueaxis::Axis;
 use trueaxis_metrology::thermal::{RATE_K_PER_MIN, Record, Sample, Settings, fit, held_out};
 use trueaxis_tables::Machine;
@@ -86,8 +89,8 @@ impl Warming {
     /// A machine whose tables do not build; a record that the fit refuses.
     pub fn run(&self, progress: &mut dyn FnMut(&str)) -> Result<Outcome> {
         progress("recording");
-        let mut bodies = Bodies::at(20.5);
-        let record = self.record(&mut bodies);
+        let mut bodies = Bodies::at(STARTS_C);
+        let record = recorded(&Recording::of(self), &mut bodies);
         let datum = |axis: Axis| self.machine.settings.axis(axis).map_or(0.0, |of| of.thermal.datum);
         let settings = Settings {
             reference_c: self.machine.settings.reference_temperature_c,
@@ -103,39 +106,88 @@ impl Warming {
         let judged = corrected::run(self, &mut bodies, &shift, &found, &bytes)?;
         Ok(Outcome::new(record, found, figures, judged))
     }
+}
 
-    fn record(&self, bodies: &mut Bodies) -> Record {
-        let mut samples = Vec::new();
-        let mut probe = Probe::new(self.seed, self.noise_um);
-        for number in 0..self.shifts {
-            let shift = Shift::drawn(self.seed, number, Kind::Recorded);
-            let begins = f64::from(number) * f64::from(SHIFT_S + NIGHT_S);
-            let mut sensors = Sensors::new(self.seed ^ (u64::from(number) << 8), bodies, &shift);
-            // The instrument is zeroed when the shift begins.
-            let zero = POINTS.map(|point| drift::drift(bodies, point));
-            for t in (0..=SHIFT_S).step_by(STEP_S as usize) {
-                if t.is_multiple_of(PROBED_EVERY_S) {
-                    let temperatures_c = sensors.read();
-                    for (point, zero) in POINTS.iter().zip(zero) {
-                        let [x, y, z, tool_mm] = *point;
-                        let now = drift::drift(bodies, *point);
-                        samples.push(Sample {
-                            t_s: begins + f64::from(t),
-                            temperatures_c: temperatures_c.to_vec(),
-                            spindle_rpm: shift.at(t).rpm,
-                            cycle: number + 1,
-                            position_mm: [x, y, z],
-                            tool_mm,
-                            error_mm: (0..3).map(|axis| probe.read(now[axis] - zero[axis])).collect(),
-                        });
-                    }
-                }
-                bodies.pass(f64::from(STEP_S), &shift.at(t));
-                sensors.follow(f64::from(STEP_S), bodies, &shift.at(t));
-            }
-            bodies.rest(&shift);
-        }
-        let sensors = SENSORS.map(String::from).to_vec();
-        Record { sensors, axes: vec![Axis::X, Axis::Y, Axis::Z], samples }
+/// The record of a warming: shifts, measuring points, noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// Seed of duty cycles and noise.
+    pub seed: u64,
+    /// Number of shifts.
+    pub shifts: u32,
+    /// Standard deviation of a reading of the probe, µm.
+    pub noise_um: f64,
+    /// Measuring points: X, Y, Z and length of the tool, mm.
+    pub points: Vec<[f64; 4]>,
+}
+
+/// Temperature of all bodies at the start, °C.
+const STARTS_C: f64 = 20.5;
+
+impl Recording {
+    fn of(warming: &Warming) -> Recording {
+        let Warming { seed, shifts, noise_um, .. } = *warming;
+        Recording { seed, shifts, noise_um, points: POINTS.to_vec() }
     }
+
+    /// Records the shifts.
+    pub fn record(&self) -> Record {
+        recorded(self, &mut Bodies::at(STARTS_C))
+    }
+}
+
+fn recorded(of: &Recording, bodies: &mut Bodies) -> Record {
+    let mut samples = Vec::new();
+    let mut probe = Probe::new(of.seed, of.noise_um);
+    for number in 0..of.shifts {
+        let shift = Shift::drawn(of.seed, number, Kind::Recorded);
+        let begins = f64::from(number) * f64::from(SHIFT_S + NIGHT_S);
+        let mut sensors = Sensors::new(of.seed ^ (u64::from(number) << 8), bodies, &shift);
+        // The instrument is zeroed when the shift begins.
+        let zero: Vec<[f64; 3]> = of.points.iter().map(|point| drift::drift(bodies, *point)).collect();
+        for t in (0..=SHIFT_S).step_by(STEP_S as usize) {
+            if t.is_multiple_of(PROBED_EVERY_S) {
+                let temperatures_c = sensors.read();
+                for (point, zero) in of.points.iter().zip(&zero) {
+                    let [x, y, z, tool_mm] = *point;
+                    let now = drift::drift(bodies, *point);
+                    samples.push(Sample {
+                        t_s: begins + f64::from(t),
+                        temperatures_c: temperatures_c.to_vec(),
+                        spindle_rpm: shift.at(t).rpm,
+                        cycle: number + 1,
+                        position_mm: [x, y, z],
+                        tool_mm,
+                        error_mm: (0..3).map(|axis| probe.read(now[axis] - zero[axis])).collect(),
+                    });
+                }
+            }
+            bodies.pass(f64::from(STEP_S), &shift.at(t));
+            sensors.follow(f64::from(STEP_S), bodies, &shift.at(t));
+        }
+        bodies.rest(&shift);
+    }
+    let sensors = SENSORS.map(String::from).to_vec();
+    Record { sensors, axes: vec![Axis::X, Axis::Y, Axis::Z], samples }
+}
+
+/// A record in the format that `trueaxis thermal fit` reads; sensors T1 to T9 in the order of [`SENSORS`].
+pub fn csv(record: &Record) -> String {
+    let mut text = String::from("t_s,cycle,spindle_rpm,x_mm,y_mm,z_mm,tool_mm,ex_um,ey_um,ez_um");
+    for (number, _) in (1..).zip(&record.sensors) {
+        let _ = write!(text, ",T{number}_c");
+    }
+    text.push('\n');
+    for sample in &record.samples {
+        let [x, y, z] = sample.position_mm;
+        let _ = write!(text, "{},{},{},{x},{y},{z},{}", sample.t_s, sample.cycle, sample.spindle_rpm, sample.tool_mm);
+        for error in &sample.error_mm {
+            let _ = write!(text, ",{:.3}", 1e3 * error);
+        }
+        for temperature in &sample.temperatures_c {
+            let _ = write!(text, ",{temperature}");
+        }
+        text.push('\n');
+    }
+    text
 }

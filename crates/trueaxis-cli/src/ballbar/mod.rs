@@ -1,8 +1,11 @@
 //! `trueaxis ballbar`.
 
+mod simulate;
+
 use crate::machine_folder::{self, Writing};
 use crate::output::{print, report_line};
 use crate::report;
+use crate::simulate::OrSimulate;
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
@@ -48,9 +51,14 @@ than two combined standard uncertainties; values that agree become their weighte
 other causes.
 
 More examples:
+  # A rehearsal, see its own help:
+  trueaxis ballbar simulate --machine mymill --radius-mm 100 -o record.csv
   trueaxis ballbar samples.txt --radius-mm 50 --axes Z,X
   trueaxis ballbar frames.bin --radius-mm 50
   trueaxis ballbar record.csv --radius-mm 100 --machine mymill -o mymill";
+
+/// A record to evaluate, or the rehearsal.
+pub(crate) type Ballbar = OrSimulate<BallbarArgs, simulate::SimulateArgs>;
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("decided").args(["dry_run", "force"]).multiple(true).requires("machine")))]
@@ -93,7 +101,14 @@ pub(crate) struct BallbarArgs {
     report: Option<PathBuf>,
 }
 
-pub(crate) fn run(arguments: &BallbarArgs) -> Result<()> {
+pub(crate) fn run(arguments: &Ballbar) -> Result<()> {
+    match arguments {
+        OrSimulate::Evaluate(arguments) => evaluate(arguments),
+        OrSimulate::Simulate(arguments) => simulate::run(arguments),
+    }
+}
+
+fn evaluate(arguments: &BallbarArgs) -> Result<()> {
     let into = arguments.writing.output(arguments.output.as_deref());
     let _alone = into.map(machine_folder::alone).transpose()?;
     let pitches_mm = [arguments.pitch_x_mm, arguments.pitch_y_mm, arguments.pitch_z_mm];
