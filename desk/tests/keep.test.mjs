@@ -46,7 +46,10 @@ async function planned(panel, found) {
 }
 
 async function showsEvaluation(panel, found) {
-  const verdicts = await numbers(panel.getByRole("table", { name: "Verdicts" }));
+  const table = panel.getByRole("table", { name: "Verdicts" });
+  // The first probing has no terms to judge: a table without rows is left out.
+  assert.equal(await table.isVisible(), found.terms.length > 0);
+  const verdicts = found.terms.length > 0 ? await numbers(table) : {};
   assert.deepEqual(Object.keys(verdicts), found.terms.map(({ name }) => name));
   for (const term of found.terms) {
     const own = verdicts[term.name];
