@@ -11,7 +11,7 @@ pub(crate) const EXAMPLE: &str = "\
 Example:
   trueaxis probe-angles --n 1024 --harmonics 2..100 --p 188 --q 667
   trueaxis probe-angles --n 1024 --probes 4 --apart-deg 12 --within-deg 240
-  trueaxis probe-angles --n 1024 --probes 4 --angles-deg 0,40,130,250";
+  trueaxis probe-angles --n 1024 --probes 4 --angles-deg 0,37,131,253";
 
 pub(crate) const HELP: &str = "\
 All pairs of slots are searched. The worst gain is the smallest |G(k)|/√(1 + k2² + k3²) in the band, 0 (blind) to \

@@ -308,6 +308,7 @@ fn points_and_diagonals_show_the_true_squarenesses() {
     };
     folder.both(&[&["evaluate", "points", "simulate", "--points", "4,4,4"][..], &on].concat());
     let points = folder.json(&["evaluate", "points", "record.csv", "--machine", "mill", "--json"]);
+    folder.bad(&["evaluate", "points", "record.csv"], &["--machine", "X, Y and Z"]);
     folder.both(&[&["evaluate", "step-diagonal", "simulate", "--runs", "2"][..], &on].concat());
     let diagonals = folder.json(&["evaluate", "step-diagonal", "record.csv", "--json"]);
     for (which, truth) in [("a0z_urad", 30.0), ("b0z_urad", -20.0), ("c0y_urad", 50.0)] {
@@ -323,7 +324,6 @@ fn points_and_diagonals_show_the_true_squarenesses() {
     refused("step-diagonal", &["--margin-mm", "149"], &["--margin-mm", "found 149", "10 mm of Z"]);
     refused("step-diagonal", &["--targets", "1"], &["--targets", "found 1", "needed 2 to 100"]);
     refused("r-test", &["--ball-mm", "1,2,3", "--angles-deg", "0,0,9"], &["w X' Y' b Z t", "needed rotary axes"]);
-    folder.bad(&["evaluate", "points", "record.csv"], &["--machine"]);
 }
 
 /// A trunnion whose centre lines are off by micrometres and tens of microradians.
