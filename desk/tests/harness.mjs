@@ -145,7 +145,7 @@ export async function saved(page, locator) {
   return { name: download.suggestedFilename(), bytes: fs.readFileSync(await download.path()) };
 }
 
-/** Waits until a view has something to show and no longer changes, for 5 s at most: the scope runs on. */
+/** Waits until a view has something to show and no longer changes, for 5 s at most: the scope runs on. A change is seen only by looking again. */
 export async function settled(panel) {
   await panel.locator("canvas:visible, svg:visible, tbody tr:visible").first().waitFor();
   const look = () => panel.evaluate((view) => `${view.scrollHeight} ${view.innerText}`);

@@ -1,7 +1,7 @@
 //! Places of three to six probes: the best found within mechanical limits, and the noise gain of given ones.
 
 use crate::probe_angles::NoiseGain;
-use crate::probes::Probes;
+use crate::probes::{Probes, refuse_blind};
 use crate::shown::{Cell, Table};
 use anyhow::{Result, anyhow, bail};
 use serde::{Deserialize, Serialize};
@@ -152,14 +152,7 @@ impl Request {
             Some(index) => anyhow!("--angles-deg, probe {}: found {}, needed {}", index + 1, error.found, error.needed),
             None => anyhow!("--angles-deg: found {}, needed {}", error.found, error.needed),
         })?;
-        let blind: Vec<String> =
-            band.iter().filter(|k| places.noise_gain(usize::from(*k)).is_infinite()).map(|k| k.to_string()).collect();
-        if !blind.is_empty() {
-            bail!(
-                "--angles-deg: found angles that cannot see harmonics {}, needed others or --harmonics without these",
-                blind.join(", ")
-            );
-        }
+        refuse_blind("--angles-deg", band.iter().filter(|k| places.noise_gain(usize::from(*k)).is_infinite()))?;
         Ok((places, angles.to_vec()))
     }
 }

@@ -93,15 +93,7 @@ impl Probes {
     pub fn gain(&self) -> Result<Gain> {
         let (names, band) = (self.names(), self.band()?);
         let gain = self.arrangement()?;
-        let blind: Vec<String> = gain.singular(band).map(|k| k.to_string()).collect();
-        if !blind.is_empty() {
-            bail!(
-                "{}, {}: found angles that cannot see harmonics {}, needed others or --harmonics without these",
-                names[0],
-                names[1],
-                blind.join(", ")
-            );
-        }
+        refuse_blind(&names.join(", "), gain.singular(band))?;
         Ok(gain)
     }
 
@@ -125,4 +117,16 @@ impl Probes {
             _ => bail!("found no probe angles, needed --p and --q, or --phi2-deg and --phi3-deg"),
         }
     }
+}
+
+/// Refuses angles, given by `options`, that cannot see some harmonics of the band.
+pub(crate) fn refuse_blind(options: &str, blind: impl Iterator<Item = u16>) -> Result<()> {
+    let blind: Vec<String> = blind.map(|k| k.to_string()).collect();
+    if !blind.is_empty() {
+        bail!(
+            "{options}: found angles that cannot see harmonics {}, needed others or --harmonics without these",
+            blind.join(", ")
+        );
+    }
+    Ok(())
 }

@@ -113,6 +113,13 @@ pub struct Limits {
     pub within: usize,
 }
 
+impl Limits {
+    /// Largest angle between neighbours for which there is room, slots.
+    fn room(self, points: usize, probes: usize) -> usize {
+        if self.within == points { points / probes } else { self.within / (probes - 1) }
+    }
+}
+
 /// Slots of the probes, ascending from 0, and the worst gain of the band.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placed {
@@ -148,8 +155,7 @@ impl PlaceSearch {
             return Err(ConfigError::new(Field::ProbeAngles, probes as f64, "three to six probes"));
         }
         let limits = Limits { apart: limits.apart.max(1), within: limits.within.min(points) };
-        let room = if limits.within == points { points / probes } else { limits.within / (probes - 1) };
-        if limits.apart > room {
+        if limits.apart > limits.room(points, probes) {
             let found = 360.0 * limits.apart as f64 / points as f64;
             return Err(ConfigError::new(
                 Field::ProbeAngles,
@@ -215,11 +221,7 @@ impl PlaceSearch {
             }
         }
         // Evenly spread, which always fits.
-        let step = if self.limits.within == self.points {
-            self.points / self.probes
-        } else {
-            self.limits.within / (self.probes - 1)
-        };
+        let step = self.limits.room(self.points, self.probes);
         let slots: Vec<usize> = (0..self.probes).map(|i| i * step).collect();
         self.fits(&slots).then_some(slots)
     }

@@ -14,9 +14,8 @@
 //!
 //! [`run`] simulates a part program, [`grinding`] a crankpin under the three-probe gauge, [`ball_test`] the test of a
 //! five-axis head, [`friction`] circles from which friction is identified, [`warming`] shifts over which a machine grows,
-//! [`exchange`] new tables in motion, [`measured`] a machine under an
-//! instrument. Equal inputs and seeds give equal results on every host, including browsers: angles and
-//! exponentials come from libm, not from the host.
+//! [`exchange`] new tables in motion, [`measured`] a machine under an instrument. Equal inputs and seeds give equal
+//! results on every host, including browsers: angles and exponentials come from libm, not from the host.
 //!
 //! The crate's README shows a run from tables to figures.
 

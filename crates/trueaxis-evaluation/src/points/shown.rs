@@ -2,6 +2,7 @@
 
 use super::{Left, Points, PointsDocument, PointsFit};
 use crate::shown::{Cell, Curve, EXPANDED, Look, Map, Plot, Shown, Table, Uncertainty, half_width, unit};
+use std::fmt::Display;
 use trueaxis_metrology::volumetric::{AXES, COMPONENTS};
 use trueaxis_report::BARS;
 
@@ -92,19 +93,25 @@ fn errors(found: &PointsFit) -> Vec<Plot> {
 fn residuals(points: &Points, found: &PointsFit) -> impl Iterator<Item = Plot> {
     AXES.into_iter().enumerate().map(|(axis, letter)| {
         let places: Vec<f64> = points.points.iter().map(|point| point.command_mm[axis]).collect();
-        let (at, order) = Plot::ascending(&places);
-        let left: Vec<[f64; 3]> = order.iter().map(|i| found.left_mm[*i].map(|mm| 1e3 * mm)).collect();
-        Plot {
-            section: "Residuals",
-            title: format!("Residuals over {letter}"),
-            x: (letter.to_string(), "mm"),
-            y: ("left", "µm"),
-            look: Look::Points,
-            at,
-            curves: Plot::along(&left),
-            ..Plot::default()
-        }
+        over(letter, &places, |order| {
+            Plot::along(&order.iter().map(|i| found.left_mm[*i].map(|mm| 1e3 * mm)).collect::<Vec<_>>())
+        })
     })
+}
+
+/// Residuals over the positions of an axis, mm; `curves`: theirs, µm, with the points in a given order.
+pub(super) fn over(letter: impl Display, places: &[f64], curves: impl FnOnce(&[usize]) -> Vec<Curve>) -> Plot {
+    let (at, order) = Plot::ascending(places);
+    Plot {
+        section: "Residuals",
+        title: format!("Residuals over {letter}"),
+        x: (letter.to_string(), "mm"),
+        y: ("left", "µm"),
+        look: Look::Points,
+        at,
+        curves: curves(&order),
+        ..Plot::default()
+    }
 }
 
 /// Number of cells of the map in each direction.

@@ -48,7 +48,7 @@ fn rest(machine: &Machine, axes: [usize; 2]) -> Machine {
     rest
 }
 
-/// Whether a grid states nothing but translations along the axes that it covers, which are these.
+/// Whether a grid covers exactly these axes and states only translations along them.
 fn replaces(grid: &Grid, axes: [usize; 2]) -> bool {
     let source = grid.source();
     (0..3).all(|axis| source.nodes[axis].is_empty() != axes.contains(&axis))
@@ -81,7 +81,7 @@ pub(super) fn without_rest(points: &Points, machine: Option<&Machine>, axes: [us
         .collect())
 }
 
-/// The machine with the errors in place of its own of the same kind, and remarks; `None` without errors.
+/// The machine, whose own errors of the same kind are replaced by these, and remarks; `None` without errors.
 pub(super) fn filled(
     machine: &Machine,
     axes: [usize; 2],

@@ -16,7 +16,7 @@ pub(super) struct PlanePoint {
     pub(super) weight: f64,
 }
 
-/// What describes the deviations; every model contains the placement of the plate.
+/// A model of the deviations; each contains the placement of the plate.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Model {
     /// The placement alone: two shifts and a rotation.

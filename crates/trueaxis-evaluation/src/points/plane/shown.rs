@@ -2,7 +2,7 @@
 
 use super::{PlaneDocument, PlaneErrors, PlaneFit};
 use crate::points::Left;
-use crate::points::shown::cells;
+use crate::points::shown::{cells, over};
 use crate::shown::{Cell, Curve, EXPANDED, Look, Plot, Shown, Table, Uncertainty, half_width, unit};
 use trueaxis_report::BARS;
 use trueaxis_report::number::significant;
@@ -98,20 +98,12 @@ fn plots(document: &PlaneDocument, found: &PlaneFit) -> Vec<Plot> {
     let left = found.left_of(found.chosen);
     let mut plots = Vec::new();
     for (k, letter) in letters.iter().enumerate() {
-        let (at, order) = Plot::ascending(&found.points.iter().map(|point| point.at[k]).collect::<Vec<_>>());
-        let curve = |(c, of): (usize, &char)| {
-            Curve::new(format!("along {of}"), found.axes[c], order.iter().map(|i| 1e3 * left[*i][c]).collect())
-        };
-        plots.push(Plot {
-            section: "Residuals",
-            title: format!("Residuals over {letter}"),
-            x: (letter.to_string(), "mm"),
-            y: ("left", "µm"),
-            look: Look::Points,
-            at,
-            curves: letters.iter().enumerate().map(curve).collect(),
-            ..Plot::default()
-        });
+        let places: Vec<f64> = found.points.iter().map(|point| point.at[k]).collect();
+        plots.push(over(letter, &places, |order| {
+            let um = |c: usize| order.iter().map(|i| 1e3 * left[*i][c]).collect();
+            let curve = |(c, of): (usize, &char)| Curve::new(format!("along {of}"), found.axes[c], um(c));
+            letters.iter().enumerate().map(curve).collect()
+        }));
     }
     let PlaneErrors::Tables(tables) = &found.errors else { return plots };
     for (k, letter) in letters.iter().enumerate() {

@@ -19,7 +19,7 @@ pub struct Transfer {
     pub points: usize,
     /// Its deviations after a rigid alignment, root mean square, µm.
     pub before_um: f64,
-    /// The same with the terms taken off first, µm.
+    /// The same after the terms are subtracted, µm.
     pub after_um: f64,
     /// Held-out residual of the same model with terms of its own, µm; null if the record does not determine them.
     pub own_um: Option<f64>,
