@@ -7,7 +7,7 @@ import { Bench } from "./core/bench";
 import { message, undo, type Desk, type Program, type View } from "./core/desk";
 import { button, choice, el } from "./core/dom";
 import { archive, picker, plain, save, text } from "./core/files";
-import { fromLink, link, parse, type SavedPage } from "./core/link";
+import { fromBase64, fromLink, link, parse, type SavedPage } from "./core/link";
 import { MachineStore } from "./core/machine";
 import { setTheme, type Theme } from "./core/theme";
 import { FIRST, groups, views } from "./views";
@@ -16,9 +16,10 @@ const part = (id: string) => document.getElementById(id) as HTMLElement;
 
 /** The module, from the page's own text: xz in base64. */
 async function module(): Promise<WebAssembly.Module> {
-  const binary = atob(part("module").textContent.trim());
-  const bytes = Uint8Array.from(binary, (letter) => letter.charCodeAt(0));
-  return WebAssembly.compile(await new Response(new XzReadableStream(new Blob([bytes]).stream())).arrayBuffer());
+  const bytes = fromBase64(part("module").textContent.trim());
+  // Compiled while it is unpacked.
+  const unpacked = new XzReadableStream(new Blob([bytes]).stream());
+  return WebAssembly.compileStreaming(new Response(unpacked, { headers: { "Content-Type": "application/wasm" } }));
 }
 
 /** A view with its place on the page. */
@@ -81,8 +82,8 @@ class Navigation {
 }
 
 async function start(): Promise<void> {
-  const compiled = await module();
   const script = part("worker").textContent;
+  const compiled = module();
   const [bench, runs] = [new Bench(compiled, script), new Bench(compiled, script)];
   const machine = new MachineStore();
   const error = part("error");

@@ -28,8 +28,8 @@ interface Waiting {
 export class Restarted extends Error {}
 
 export class Bench {
-  /** Started with the first call, so that a page loads only the parts in use. */
-  private worker: Worker | undefined;
+  /** Started while the module is still being unpacked. */
+  private worker: Worker;
   private readonly waiting = new Map<number, Waiting>();
   /** Receives the progress of a long call. */
   onProgress: ((text: string) => void) | undefined;
@@ -37,17 +37,19 @@ export class Bench {
   private next = 0;
 
   constructor(
-    private readonly module: WebAssembly.Module,
+    private readonly module: Promise<WebAssembly.Module>,
     private readonly script: string,
-  ) {}
+  ) {
+    this.worker = this.start();
+  }
 
   /** Calls an export of the module. */
   call<K extends CallName>(name: K, ...given: Parameters<Calls[K]>): Promise<ReturnType<Calls[K]>> {
-    const worker = (this.worker ??= this.start());
+    const { worker } = this;
     const id = this.next++;
     return new Promise((done, failed) => {
       this.waiting.set(id, { done, failed });
-      worker.postMessage({ id, name, given });
+      void this.module.then(() => worker.postMessage({ id, name, given }), failed);
     });
   }
 
@@ -70,7 +72,7 @@ export class Bench {
       this.restart(event.message || "the worker ended");
     });
     // The worker expects the module as its first message, before any call.
-    worker.postMessage({ module: this.module });
+    void this.module.then((module) => worker.postMessage({ module }), () => undefined);
     return worker;
   }
 
@@ -82,8 +84,8 @@ export class Bench {
   }
 
   private restart(message: string): void {
-    this.worker?.terminate();
-    this.worker = undefined;
+    this.worker.terminate();
+    this.worker = this.start();
     const lost = [...this.waiting.values()];
     this.waiting.clear();
     for (const { failed } of lost) failed(new Restarted(message));

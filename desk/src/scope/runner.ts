@@ -14,7 +14,8 @@ const LONGEST_UPDATE_MS = 1500;
 const REST = 6;
 /** Two frames of a screen that has nothing to draw, ms. */
 const TWO_FRAMES_MS = 34;
-const FIRST_SLICE = 500;
+/** Cycles of a run's first slice, short so that it moves at once. */
+const FIRST_SLICE = 100;
 const MOST_CYCLES = 50_000;
 
 export type Pace = "fast" | "real" | "slow";
@@ -119,11 +120,12 @@ export class Runner {
   }
 
   private async run(): Promise<void> {
-    let last = performance.now();
+    let last = -Infinity;
     while (this.going && this.handle !== undefined) {
       const began = performance.now();
-      const cycles = this.pace === "fast" ? this.slice : Math.max(1, Math.round((SPEED[this.pace] * SLICE_MS) / 1e3 / this.period_s));
       const from = this.progress.cycle;
+      const paced = this.pace === "fast" ? this.slice : Math.max(1, Math.round((SPEED[this.pace] * SLICE_MS) / 1e3 / this.period_s));
+      const cycles = from === 0 ? Math.min(FIRST_SLICE, paced) : paced;
       await this.advance(this.handle, cycles);
       const took = performance.now() - began;
       this.spent_ms += took;

@@ -81,7 +81,7 @@ export class Scope {
   /** Opens the first run, and follows machine and module. */
   async start(): Promise<void> {
     const { desk } = this;
-    this.screen.programs.builtIn(JSON.parse(await desk.bench.call("scope_programs")) as BuiltIn[]);
+    const builtIn = desk.bench.call("scope_programs").then((listed) => this.screen.programs.builtIn(JSON.parse(listed) as BuiltIn[]));
     desk.onProgram(async ({ name, text }) => this.take({ ...this.controls.setup, program: { name, text } }));
     desk.machine.subscribe(() => {
       if (desk.machine.files === this.files) return;
@@ -95,7 +95,7 @@ export class Scope {
     desk.runs.onRestart(() => this.screen.bar.changed("The run is lost: Run starts it again."));
     this.demonstrates = !isStill();
     if (this.demonstrates) this.screen.bar.pace = "real";
-    await this.demonstrate().catch(desk.fail);
+    await Promise.all([this.demonstrate().catch(desk.fail), builtIn]);
   }
 
   /**
@@ -186,8 +186,7 @@ export class Scope {
 
   private async opened(files: Files, isCurrent: () => boolean): Promise<void> {
     const { setup } = this.controls;
-    await this.controls.machine(files);
-    const { description, path } = await this.runner.open(request(setup, files));
+    const [{ description, path }] = await Promise.all([this.runner.open(request(setup, files)), this.controls.machine(files)]);
     if (!isCurrent()) return;
     this.files = files;
     this.screen.open(description, path, setup);
