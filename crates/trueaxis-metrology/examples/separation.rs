@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let separate = || -> Result<Vec<Separation>, Box<dyn std::error::Error>> {
         let mut workspace = separator.workspace();
         let revolutions = h1.chunks_exact(points).zip(h2.chunks_exact(points)).zip(h3.chunks_exact(points));
-        revolutions.map(|((h1, h2), h3)| Ok(separator.separate_in(&mut workspace, [h1, h2, h3])?)).collect()
+        revolutions.map(|((h1, h2), h3)| Ok(separator.separate_in(&mut workspace, &[h1, h2, h3])?)).collect()
     };
     let mut best = f64::INFINITY;
     let mut found = separate()?;

@@ -68,6 +68,22 @@ impl ProbePlaces {
         Ok(ProbePlaces { angles, inverse })
     }
 
+    /// Angles of the probes, rad.
+    pub fn angles(&self) -> &[f64] {
+        &self.angles
+    }
+
+    /// Angles of the probes, degrees.
+    pub fn degrees(&self) -> Vec<f64> {
+        self.angles.iter().map(|angle| angle.to_degrees()).collect()
+    }
+
+    /// (CᵀC)⁻¹: the elements cos cos, cos sin, sin sin.
+    #[cfg(feature = "separation")]
+    pub(crate) fn inverse(&self) -> [f64; 3] {
+        self.inverse
+    }
+
     /// Gain of harmonic `k`, 0 (blind) to the root of the number of probes.
     pub fn gain(&self, k: usize) -> f64 {
         let units = self.angles.iter().map(|angle| {
@@ -93,7 +109,7 @@ impl ProbePlaces {
     /// Worst noise gain if any one of the probes is lost; `None` with three probes. Infinite if the others are blind to a
     /// harmonic of the band.
     pub fn worst_without_one(&self, band: Band) -> Option<f64> {
-        let degrees: Vec<f64> = self.angles.iter().map(|angle| angle.to_degrees()).collect();
+        let degrees = self.degrees();
         let without =
             |lost| degrees.iter().enumerate().filter(move |(i, _)| *i != lost).map(|(_, angle)| *angle).collect();
         let gains = (0..degrees.len()).map(|lost| {

@@ -11,9 +11,18 @@
 //! are zero; they are motion of the centre and appear in R_X and R_Y. θ starts at 0 and advances in steps of 2π/N.
 //!
 //! Source: Tian Yingzhong and Li Ming, CN1927535; R_Y corrected: the published form does not solve h1 and h2.
+//!
+//! Four to six probes are separated by least squares over all readings ([`Separator::of_places`]), and [`Agreement`] tells
+//! what they contradict one another by.
 
+mod agreement;
+mod least_squares;
 mod transforms;
 
+pub use agreement::{Agreement, Mounting};
+
+use crate::probe_places::ProbePlaces;
+use least_squares::LeastSquares;
 use realfft::num_complex::Complex;
 use std::vec::Vec;
 use transforms::Transforms;
@@ -82,24 +91,84 @@ pub struct Harmonic {
     pub suppressed: bool,
 }
 
+/// Where the probes stand.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Arrangement {
+    /// Three probes, by two angles.
+    Three(Gain),
+    /// Four to six probes; three, too, are separated by least squares here.
+    Places(ProbePlaces),
+}
+
+impl Arrangement {
+    /// Angles of the probes from probe 1, degrees, in the sense of θ.
+    pub fn degrees(&self) -> Vec<f64> {
+        match self {
+            Arrangement::Three(gain) => {
+                [0.0, gain.phi2(), gain.phi2() + gain.phi3()].iter().map(|angle| angle.to_degrees()).collect()
+            }
+            Arrangement::Places(places) => places.degrees(),
+        }
+    }
+
+    /// Number of probes.
+    pub fn probes(&self) -> usize {
+        match self {
+            Arrangement::Three(_) => 3,
+            Arrangement::Places(places) => places.angles().len(),
+        }
+    }
+
+    /// Noise of one reading that appears in harmonic `k` of the profile, as a factor; infinite if the probes do not see it.
+    pub fn noise_gain(&self, k: usize) -> f64 {
+        match self {
+            Arrangement::Three(gain) => gain.noise_gain(k),
+            Arrangement::Places(places) => places.noise_gain(k),
+        }
+    }
+
+    /// Harmonics of the band that the probes do not see, ascending.
+    pub fn blind(&self, band: Band) -> Vec<u16> {
+        match self {
+            Arrangement::Three(gain) => gain.singular(band).collect(),
+            Arrangement::Places(places) => {
+                band.iter().filter(|k| places.noise_gain(usize::from(*k)).is_infinite()).collect()
+            }
+        }
+    }
+}
+
 /// Separates revolutions of N readings; plans its transforms once.
 pub struct Separator {
-    gain: Gain,
+    arrangement: Arrangement,
+    points: usize,
     band: Band,
-    /// By harmonic from 0 to the band's last: factors from an unscaled spectrum to the profile and to the profile at θ + φ2,
-    /// 1/(N G) and e^{jkφ2}/(N G); `None` if suppressed.
-    multipliers: Vec<Option<[Complex<f64>; 2]>>,
-    /// φ2 in whole points, if it is one: then r(θ + φ2) is a rotation of r.
-    whole_points: Option<usize>,
+    /// By harmonic from 0 to the band's last: whether it is in the profile.
+    kept: Vec<bool>,
+    method: Method,
     /// `[cos β, sin β]` at every θ.
     arm: Vec<[f64; 2]>,
     transforms: Transforms,
+}
+
+/// How readings are combined.
+enum Method {
+    Three {
+        gain: Gain,
+        /// By harmonic from 0 to the band's last: factors from an unscaled spectrum to the profile and to the profile at
+        /// θ + φ2, 1/(N G) and e^{jkφ2}/(N G); `None` if suppressed.
+        multipliers: Vec<Option<[Complex<f64>; 2]>>,
+        /// φ2 in whole points, if it is one: then r(θ + φ2) is a rotation of r.
+        whole_points: Option<usize>,
+    },
+    Places(LeastSquares),
 }
 
 /// Reusable memory for separating successive revolutions.
 pub struct Workspace {
     real: Vec<f64>,
     ahead: Vec<f64>,
+    sums: Vec<Complex<f64>>,
     spectrum: Vec<Complex<f64>>,
     amplitudes: Vec<Complex<f64>>,
     scratch: Vec<Complex<f64>>,
@@ -114,6 +183,50 @@ impl Separator {
     /// is not above 0; a ratio outside 0 <= λ < 1.
     pub fn new(gain: Gain, band: Band, noise_gain_limit: f64, arm_ratio: f64) -> Result<Self, NoSeparation> {
         let points = gain.points();
+        Separator::planned(Arrangement::Three(gain), points, band, noise_gain_limit, arm_ratio, |kept| {
+            let scale = 1.0 / points as f64;
+            let multipliers = (0..).zip(kept).map(|(k, kept)| {
+                let ([re, im], [cos, sin]) = (gain.of(k), gain.phase2(k));
+                let here = Complex::new(re, im).inv() * scale;
+                kept.then(|| [here, here * Complex::new(cos, sin)])
+            });
+            Method::Three { gain, multipliers: multipliers.collect(), whole_points: gain.slots().map(|[p, _]| p) }
+        })
+    }
+
+    /// Plans a separation of three to six probes by least squares over all readings, with `points` readings of each in a
+    /// revolution; otherwise as [`Separator::new`].
+    ///
+    /// ```text
+    /// C = [cos φ_i, sin φ_i]   Nᵀ C = 0, Nᵀ N = 1   s = Nᵀ h   g_l(k) = Σ_i N_il e^{jkφ_i}
+    /// F{r} = Σ_l g_l* F{s_l} / Σ_l |g_l|²           noise gain = 1/√(Σ_l |g_l|²)
+    /// ```
+    ///
+    /// R_X and R_Y are the least squares of the readings without the profile at each θ.
+    ///
+    /// # Errors
+    /// As [`Separator::new`].
+    pub fn of_places(
+        places: &ProbePlaces,
+        points: usize,
+        band: Band,
+        noise_gain_limit: f64,
+        arm_ratio: f64,
+    ) -> Result<Self, NoSeparation> {
+        let arrangement = Arrangement::Places(places.clone());
+        Separator::planned(arrangement, points, band, noise_gain_limit, arm_ratio, |kept| {
+            Method::Places(LeastSquares::new(places, points, kept))
+        })
+    }
+
+    fn planned(
+        arrangement: Arrangement,
+        points: usize,
+        band: Band,
+        noise_gain_limit: f64,
+        arm_ratio: f64,
+        method: impl FnOnce(&[bool]) -> Method,
+    ) -> Result<Self, NoSeparation> {
         band.check(points)?;
         if noise_gain_limit.is_nan() || noise_gain_limit <= 0.0 {
             return Err(ConfigError::new(Field::NoiseGain, noise_gain_limit, "a noise gain limit above 0").into());
@@ -121,18 +234,12 @@ impl Separator {
         if !(0.0..1.0).contains(&arm_ratio) {
             return Err(ConfigError::new(Field::ArmCrank, arm_ratio, "R/(R_S + R_W) from 0 to below 1").into());
         }
-        let singular: Vec<u16> = gain.singular(band).collect();
-        if !singular.is_empty() {
-            return Err(NoSeparation::Blind(singular));
+        let blind = arrangement.blind(band);
+        if !blind.is_empty() {
+            return Err(NoSeparation::Blind(blind));
         }
-        let scale = 1.0 / points as f64;
-        let multipliers = (0..=band.last)
-            .map(|k| {
-                let kept = band.contains(k) && gain.noise_gain(usize::from(k)) <= noise_gain_limit;
-                let ([re, im], [cos, sin]) = (gain.of(usize::from(k)), gain.phase2(usize::from(k)));
-                let here = Complex::new(re, im).inv() * scale;
-                kept.then(|| [here, here * Complex::new(cos, sin)])
-            })
+        let kept: Vec<bool> = (0..=band.last)
+            .map(|k| band.contains(k) && arrangement.noise_gain(usize::from(k)) <= noise_gain_limit)
             .collect();
         let arm = (0..points)
             .map(|i| {
@@ -141,17 +248,18 @@ impl Separator {
             })
             .collect();
         let transforms = Transforms::new(points)?;
-        let whole_points = gain.slots().map(|[p, _]| p);
-        Ok(Separator { gain, band, multipliers, whole_points, arm, transforms })
+        let method = method(&kept);
+        Ok(Separator { arrangement, points, band, kept, method, arm, transforms })
     }
 
     /// Allocates the memory for [`Separator::separate_in`].
     pub fn workspace(&self) -> Workspace {
-        let points = self.gain.points();
+        let points = self.points;
         let complex = |count: usize| std::vec![Complex::default(); count];
         Workspace {
             real: std::vec![0.0; points],
             ahead: std::vec![0.0; points],
+            sums: complex(points / 2 + 1),
             spectrum: complex(points / 2 + 1),
             amplitudes: complex(points / 2 + 1),
             scratch: complex(self.transforms.scratch()),
@@ -159,8 +267,13 @@ impl Separator {
     }
 
     /// Returns the arrangement of the probes.
-    pub fn gain(&self) -> &Gain {
-        &self.gain
+    pub fn arrangement(&self) -> &Arrangement {
+        &self.arrangement
+    }
+
+    /// Returns the number of points in a revolution N.
+    pub fn points(&self) -> usize {
+        self.points
     }
 
     /// Returns the harmonics that the noise gain limit suppresses, ascending.
@@ -169,36 +282,57 @@ impl Separator {
     }
 
     fn keeps(&self, harmonic: u16) -> bool {
-        self.multipliers.get(usize::from(harmonic)).is_some_and(Option::is_some)
+        self.kept.get(usize::from(harmonic)).is_some_and(|kept| *kept)
     }
 
-    /// Separates one revolution of N readings of the three probes, equidistant in θ from 0. This takes two or three transforms
-    /// of real series; without noise and with a profile inside the band, it is exact to the rounding of the readings times the
-    /// noise gain.
+    /// Separates one revolution of N readings of each probe, equidistant in θ from 0. Three probes take two or three transforms
+    /// of real series, m probes m + 1; without noise and with a profile inside the band, it is exact to the rounding of the
+    /// readings times the noise gain.
     ///
     /// # Errors
-    /// A probe does not have N readings.
-    pub fn separate(&self, probes: [&[f64]; 3]) -> Result<Separation, ConfigError> {
+    /// Another number of probes, or a probe does not have N readings.
+    pub fn separate(&self, probes: &[&[f64]]) -> Result<Separation, ConfigError> {
         self.separate_in(&mut self.workspace(), probes)
     }
 
     /// Like [`Separator::separate`], but reuses memory, for many revolutions.
     ///
     /// # Errors
-    /// A probe does not have N readings.
-    pub fn separate_in(&self, workspace: &mut Workspace, probes: [&[f64]; 3]) -> Result<Separation, ConfigError> {
-        for (index, probe) in probes.into_iter().enumerate() {
+    /// As [`Separator::separate`].
+    pub fn separate_in(&self, workspace: &mut Workspace, probes: &[&[f64]]) -> Result<Separation, ConfigError> {
+        if probes.len() != self.arrangement.probes() {
+            let needed = "readings of every probe";
+            return Err(ConfigError::new(Field::ProbeAngles, probes.len() as f64, needed));
+        }
+        for (index, probe) in probes.iter().enumerate() {
             self.check(probe).map_err(|error| error.at(index))?;
         }
-        let [h1, h2, h3] = probes;
-        let (k2, k3) = (self.gain.k2(), self.gain.k3());
+        match (&self.method, probes) {
+            (Method::Three { gain, multipliers, whole_points }, [h1, h2, h3]) => {
+                Ok(self.separate_three(workspace, [h1, h2, h3], (gain, multipliers, *whole_points)))
+            }
+            (Method::Three { gain, .. }, _) => {
+                Err(ConfigError::new(Field::Points, gain.points() as f64, "readings of three probes"))
+            }
+            (Method::Places(method), _) => Ok(method.separate(self, workspace, probes)),
+        }
+    }
+
+    fn separate_three(
+        &self,
+        workspace: &mut Workspace,
+        [h1, h2, h3]: [&[f64]; 3],
+        (gain, multipliers, whole_points): (&Gain, &[Option<[Complex<f64>; 2]>], Option<usize>),
+    ) -> Separation {
+        let (k2, k3) = (gain.k2(), gain.k3());
         for (sum, ((h1, h2), h3)) in workspace.real.iter_mut().zip(h1.iter().zip(h2).zip(h3)) {
             *sum = h1 + k2 * h2 + k3 * h3;
         }
         self.transform(workspace);
-        let mut profile = std::vec![0.0; self.gain.points()];
-        self.synthesis(workspace, &mut profile, |[here, _]| here);
-        match self.whole_points {
+        let mut profile = std::vec![0.0; self.points];
+        let factors = |which: usize| multipliers.iter().map(move |of| of.map_or(Complex::default(), |of| of[which]));
+        self.synthesis(workspace, &mut profile, factors(0));
+        match whole_points {
             Some(points) => {
                 let (before, from) = profile.split_at(points.min(profile.len()));
                 let (ahead, behind) = workspace.ahead.split_at_mut(from.len());
@@ -207,23 +341,23 @@ impl Separator {
             }
             None => {
                 let mut ahead = core::mem::take(&mut workspace.ahead);
-                self.synthesis(workspace, &mut ahead, |[_, ahead]| ahead);
+                self.synthesis(workspace, &mut ahead, factors(1));
                 workspace.ahead = ahead;
             }
         }
         // The mean radius relative to the probes' zeros: with an arm it would appear as motion. G(0) is real.
-        let [mean_gain, _] = self.gain.of(0);
-        let sees_mean = libm::fabs(mean_gain) > 1e-6 * self.gain.norm();
-        let mean = workspace.spectrum.first().map_or(0.0, |sum| sum.re / self.gain.points() as f64);
+        let [mean_gain, _] = gain.of(0);
+        let sees_mean = libm::fabs(mean_gain) > 1e-6 * gain.norm();
+        let mean = workspace.spectrum.first().map_or(0.0, |sum| sum.re / self.points as f64);
         let radius = if sees_mean { mean / mean_gain } else { 0.0 };
-        let [x, y] = self.motion([h1, h2], [&profile, &workspace.ahead], radius);
-        Ok(Separation { profile, x, y })
+        let [x, y] = self.motion(gain, [h1, h2], [&profile, &workspace.ahead], radius);
+        Separation { profile, x, y }
     }
 
     /// R_X and R_Y: with t = (h2 − r(θ + φ2) − cos φ2 (h1 − r(θ)))/sin φ2 they are t cos β + (h1 − r) sin β and (h1 − r) cos β
     /// − t sin β.
-    fn motion(&self, [h1, h2]: [&[f64]; 2], [profile, ahead]: [&[f64]; 2], radius: f64) -> [Vec<f64>; 2] {
-        let (per_sin, cot) = (1.0 / libm::sin(self.gain.phi2()), 1.0 / libm::tan(self.gain.phi2()));
+    fn motion(&self, gain: &Gain, [h1, h2]: [&[f64]; 2], [profile, ahead]: [&[f64]; 2], radius: f64) -> [Vec<f64>; 2] {
+        let (per_sin, cot) = (1.0 / libm::sin(gain.phi2()), 1.0 / libm::tan(gain.phi2()));
         let mut motion = [(); 2].map(|()| std::vec![0.0; profile.len()]);
         let [x, y] = &mut motion;
         let readings = h1.iter().zip(h2).zip(profile.iter().zip(ahead));
@@ -242,11 +376,11 @@ impl Separator {
     /// The profile does not have N points.
     pub fn harmonics(&self, profile: &[f64]) -> Result<Vec<Harmonic>, ConfigError> {
         let workspace = self.spectrum(profile)?;
-        let scale = 2.0 / self.gain.points() as f64;
+        let scale = 2.0 / self.points as f64;
         let harmonics = self.band.iter().map(|k| {
             let suppressed = !self.keeps(k);
             let value = workspace.spectrum.get(usize::from(k)).filter(|_| !suppressed).copied().unwrap_or_default();
-            let noise_gain = self.gain.noise_gain(usize::from(k));
+            let noise_gain = self.arrangement.noise_gain(usize::from(k));
             Harmonic { k, amplitude: scale * value.norm(), phase: value.arg(), noise_gain, suppressed }
         });
         Ok(harmonics.collect())
@@ -260,20 +394,20 @@ impl Separator {
     pub fn filtered(&self, profile: &[f64], cut_off: u16) -> Result<Vec<f64>, ConfigError> {
         let mut workspace = self.spectrum(profile)?;
         filter::check(cut_off)?;
-        let scale = 1.0 / self.gain.points() as f64;
+        let scale = 1.0 / self.points as f64;
         workspace.amplitudes.fill(Complex::default());
         for k in self.band.iter().map(usize::from) {
             if let (Some(to), Some(from)) = (workspace.amplitudes.get_mut(k), workspace.spectrum.get(k)) {
                 *to = from * (scale * filter::transmission(k, cut_off));
             }
         }
-        let mut filtered = std::vec![0.0; self.gain.points()];
+        let mut filtered = std::vec![0.0; self.points];
         self.series(&mut workspace, &mut filtered);
         Ok(filtered)
     }
 
     fn check(&self, values: &[f64]) -> Result<(), ConfigError> {
-        if values.len() == self.gain.points() {
+        if values.len() == self.points {
             return Ok(());
         }
         Err(ConfigError::new(Field::Points, values.len() as f64, "one revolution, N values"))
@@ -294,17 +428,12 @@ impl Separator {
         self.transforms.forward(real, spectrum, scratch);
     }
 
-    /// Computes a real series from the spectrum and one of the multipliers.
-    fn synthesis(
-        &self,
-        workspace: &mut Workspace,
-        series: &mut [f64],
-        which: impl Fn([Complex<f64>; 2]) -> Complex<f64>,
-    ) {
+    /// Computes a real series from the spectrum, multiplied by a factor for each harmonic from 0.
+    fn synthesis(&self, workspace: &mut Workspace, series: &mut [f64], factors: impl Iterator<Item = Complex<f64>>) {
         workspace.amplitudes.fill(Complex::default());
         let spectrum = workspace.amplitudes.iter_mut().zip(&workspace.spectrum);
-        for ((amplitude, value), multipliers) in spectrum.zip(&self.multipliers) {
-            *amplitude = multipliers.map_or(Complex::default(), |multipliers| value * which(multipliers));
+        for ((amplitude, value), factor) in spectrum.zip(factors) {
+            *amplitude = value * factor;
         }
         self.series(workspace, series);
     }
@@ -312,7 +441,7 @@ impl Separator {
     /// Computes a real series from the workspace's amplitudes, which are overwritten.
     fn series(&self, workspace: &mut Workspace, series: &mut [f64]) {
         let Workspace { amplitudes, scratch, .. } = workspace;
-        // Mean and Nyquist frequency are zero, because they are outside every band.
+        // The Nyquist frequency is zero, because it is outside every band.
         self.transforms.backward(amplitudes, series, scratch);
     }
 }
