@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Readings of three probes on a pin with a following arm, from first principles; what is to be found in them.
+"""Readings of three and of five probes on a pin with a following arm, from first principles; what is to be found in them.
 
 Usage: separation.py probes > separation_probes.csv
        separation.py truth > separation_truth.csv
+       separation.py five-probes > separation_five_probes.csv
+       separation.py five-truth > separation_five_truth.csv
        separation.py check                                  standard library only
 
 N = 64, harmonics 2..12, phi2 = 66.1 degrees, phi3 = 125.4 degrees (no whole slots), crank throw 60 mm, wheel radius
@@ -10,6 +12,10 @@ N = 64, harmonics 2..12, phi2 = 66.1 degrees, phi3 = 125.4 degrees (no whole slo
 angle by bisection, the probes read the sum of cosines at the place where they stand plus the motion of the centre along
 their own direction, and `check` takes the readings apart again with a discrete Fourier transform as a plain double sum,
 and evaluates the spindle by its definitions. Every number is the shortest decimal of its double, µm.
+
+Five probes stand at 0, 39.2, 101.3, 158.9 and 243.3 degrees and read with noise of up to 0.2 µm. Their truth is what least
+squares over all readings of a revolution find, with the mean radius, two unknowns for each harmonic and two for the place
+of the centre at every theta: normal equations of all 151 unknowns at once, by elimination.
 """
 
 import cmath
@@ -90,6 +96,65 @@ def spindle(values):
             math.degrees(cmath.phase(first)))
 
 
+FIVE = [math.radians(degrees) for degrees in (0.0, 39.2, 101.3, 158.9, 243.3)]
+
+
+def five_readings():
+    generator = random.Random(7)
+    rows = []
+    for row, (x, y) in enumerate(motion()):
+        theta = 2.0 * math.pi * (row % N) / N
+        beta = arm_angle(theta)
+        rows.append([profile(theta + phi) + y * math.cos(phi + beta) + x * math.sin(phi + beta) + generator.uniform(-0.2, 0.2)
+                     for phi in FIVE])
+    return rows
+
+
+def solved(matrix, right):
+    """Unknowns of a symmetric positive definite system, by elimination."""
+    count = len(right)
+    rows = [row[:] + [value] for row, value in zip(matrix, right)]
+    for i in range(count):
+        for j in range(i + 1, count):
+            factor = rows[j][i] / rows[i][i]
+            if factor != 0.0:
+                rows[j] = [a - factor * b for a, b in zip(rows[j], rows[i])]
+    found = [0.0] * count
+    for i in reversed(range(count)):
+        found[i] = (rows[i][count] - sum(rows[i][j] * found[j] for j in range(i + 1, count))) / rows[i][i]
+    return found
+
+
+def least_squares(rows):
+    """r, R_X and R_Y of one revolution at every theta."""
+    shape = 1 + 2 * (LAST - FIRST + 1)
+    count = shape + 2 * N
+    matrix, right = [[0.0] * count for _ in range(count)], [0.0] * count
+    harmonics = range(FIRST, LAST + 1)
+    for i, readings_here in enumerate(rows):
+        theta = 2.0 * math.pi * i / N
+        beta = arm_angle(theta)
+        for phi, reading in zip(FIVE, readings_here):
+            entries = [(0, 1.0)]
+            for place, k in enumerate(harmonics):
+                entries.append((1 + 2 * place, math.cos(k * (theta + phi))))
+                entries.append((2 + 2 * place, math.sin(k * (theta + phi))))
+            entries.append((shape + 2 * i, math.sin(phi + beta)))
+            entries.append((shape + 2 * i + 1, math.cos(phi + beta)))
+            for a, one in entries:
+                right[a] += one * reading
+                for b, other in entries:
+                    matrix[a][b] += one * other
+    found = solved(matrix, right)
+    result = []
+    for i in range(N):
+        theta = 2.0 * math.pi * i / N
+        r = sum(found[1 + 2 * place] * math.cos(k * theta) + found[2 + 2 * place] * math.sin(k * theta)
+                for place, k in enumerate(harmonics))
+        result.append((r, found[shape + 2 * i], found[shape + 2 * i + 1]))
+    return result
+
+
 def main():
     what = sys.argv[1]
     if what == "probes":
@@ -106,6 +171,18 @@ def main():
         for row, (x, y) in enumerate(motion()):
             i = row % N
             print(f"{360.0 * i / N!r},{profile(2.0 * math.pi * i / N)!r},{x!r},{y!r}")
+    elif what == "five-probes":
+        print("# separation.py five-probes")
+        print("h1_um,h2_um,h3_um,h4_um,h5_um")
+        for row in five_readings():
+            print(",".join(repr(h) for h in row))
+    elif what == "five-truth":
+        print("# separation.py five-truth")
+        print("theta_deg,r_um,rx_um,ry_um")
+        rows = five_readings()
+        for start in range(0, len(rows), N):
+            for i, values in enumerate(least_squares(rows[start:start + N])):
+                print(f"{360.0 * i / N!r}," + ",".join(repr(value) for value in values))
     elif what == "check":
         rows = readings()
         worst = 0.0

@@ -60,6 +60,6 @@ impl ProbeArgs {
     /// The arguments in the form of the evaluation.
     pub(crate) fn asked(&self) -> Probes {
         let ProbeArgs { n, harmonics, p, q, phi2_deg, phi3_deg } = *self;
-        Probes { n, harmonics, p, q, phi2_deg, phi3_deg }
+        Probes { n, harmonics, p, q, phi2_deg, phi3_deg, angles_deg: None }
     }
 }

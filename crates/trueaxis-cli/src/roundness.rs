@@ -9,6 +9,7 @@ use anyhow::Result;
 use clap::Args;
 use maud::Render;
 use std::path::PathBuf;
+use trueaxis_evaluation::probes::Probes;
 use trueaxis_evaluation::roundness::{COLUMNS, Plan, Readings, Request, orbit, polar};
 use trueaxis_metrology::separation::{NOISE_GAIN_LIMIT, Separation};
 use trueaxis_tables::output::Outputs;
@@ -16,13 +17,17 @@ use trueaxis_tables::output::Outputs;
 pub(crate) const EXAMPLE: &str = "\
 Example:
   trueaxis roundness tests/reference/separation_probes.csv --n 64 \\
-      --phi2-deg 66.1 --phi3-deg 125.4 --harmonics 2..12 --arm 60,300,30";
+      --phi2-deg 66.1 --phi3-deg 125.4 --harmonics 2..12 --arm 60,300,30
+  trueaxis roundness tests/reference/separation_five_probes.csv --n 64 \\
+      --angles-deg 0,39.2,101.3,158.9,243.3 --harmonics 2..12 --arm 60,300,30 --json";
 
 pub(crate) const HELP: &str = "\
 PROBES.csv has the columns h1_um,h2_um,h3_um and whole revolutions of N rows, equidistant in θ, the angle over the \
 part's surface, from 0:
   h1 = r(θ) + RY cos β + RX sin β
-Probe 2 is φ2 further in the sense of θ, probe 3 φ2 + φ3. Without --arm β is 0.
+Probe 2 is φ2 further in the sense of θ, probe 3 φ2 + φ3. Without --arm β is 0. With --angles-deg the columns are h1_um \
+to h4_um, h5_um or h6_um. More than three probes add less noise, and contradict one another if one is wrong: five or six \
+name it, and the errors of their angles and sensitivities are stated against probe 1 (--json and --report).
 With a column theta_deg the file may have any number of rows at any increasing angles; the angle may restart every \
 360°. The readings are then resampled to N a revolution, and the interpolation error is stated (in JSON: \
 resampling).
@@ -39,11 +44,22 @@ in the worst harmonic, the slots p 188, q 667 (66.094°, 234.492°) 3.1 times: s
 
 #[derive(Args)]
 pub(crate) struct RoundnessArgs {
-    /// Readings of the three probes, µm.
+    /// Readings of the probes, µm.
     #[arg(value_name = "PROBES.csv")]
     readings: PathBuf,
     #[command(flatten)]
     probes: ProbeArgs,
+    /// Angles of three to six probes from probe 1, in the sense of θ, instead of a pair: the readings of all of them are used by
+    /// least squares.
+    #[arg(
+        long,
+        value_name = "DEG,DEG,DEG…",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        conflicts_with_all = ["p", "q", "phi2_deg", "phi3_deg"],
+        help_heading = "Probes"
+    )]
+    angles_deg: Option<Vec<f64>>,
     /// Crank throw, wheel radius and pin radius, mm, of an arm that follows the pin [default: a fixed arm].
     #[arg(long, value_name = "R,RS,RW", value_parser = arm, allow_hyphen_values = true, help_heading = "Probes")]
     arm: Option<Lengths>,
@@ -79,7 +95,7 @@ pub(crate) fn run(arguments: &RoundnessArgs) -> Result<()> {
         report_line(format_args!("note: {note}"));
     }
     let separations = separate(&plan, &readings)?;
-    for warning in plan.warnings(&separations, &readings) {
+    for warning in plan.warnings(&separations, &readings)? {
         report_line(format_args!("warning: {warning}"));
     }
     // Only the document and the page show circles, harmonics and motion.
@@ -105,12 +121,13 @@ pub(crate) fn run(arguments: &RoundnessArgs) -> Result<()> {
 impl RoundnessArgs {
     fn asked(&self) -> Request {
         let RoundnessArgs { arm, upr, noise_gain_limit, .. } = *self;
-        Request { probes: self.probes.asked(), arm, upr, noise_gain_limit }
+        let probes = Probes { angles_deg: self.angles_deg.clone(), ..self.probes.asked() };
+        Request { probes, arm, upr, noise_gain_limit }
     }
 }
 
 fn separate(plan: &Plan, readings: &Readings) -> Result<Vec<Separation>> {
-    let bar = progress((readings.probes[0].len() / plan.points()) as u64, "revolutions");
+    let bar = progress(readings.probes.first().map_or(0, |probe| probe.len() / plan.points()) as u64, "revolutions");
     let separations = plan.separate(readings, || bar.inc(1));
     bar.finish_and_clear();
     separations

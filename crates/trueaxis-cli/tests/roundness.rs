@@ -492,3 +492,104 @@ fn bad_places_of_probes_are_refused() {
     bad(&["--within-deg=361"], &["--within-deg: found 361"]);
     bad(&["--probes=4", "--starts=0"], &["--starts: found 0"]);
 }
+
+const FIVE: &str = "--angles-deg=0,39.2,101.3,158.9,243.3";
+
+#[test]
+fn five_probes_agree_with_least_squares_of_the_reference_script() {
+    let directory = Folder::new(TRUEAXIS);
+    let probes = reference("separation_five_probes.csv");
+    let arguments = ["roundness", probes.to_str().unwrap(), "--n=64", FIVE, "--harmonics=2..12", "--arm=60,300,30"];
+    let found = numbers(&directory.good(&arguments));
+    let truth = numbers(&fs::read_to_string(reference("separation_five_truth.csv")).unwrap());
+    assert_eq!((found.len(), truth.len()), (128, 128));
+    for (found, truth) in found.iter().zip(&truth) {
+        for (found, truth) in found.iter().zip(truth) {
+            assert!((found - truth).abs() < 1e-9, "{found:?} {truth:?}");
+        }
+    }
+    let json = directory.json(&[&arguments[..], &["--json", "--report", "report"]].concat());
+    let agreement = &json["agreement"];
+    // σ of numbers distributed uniformly over ±0.2 µm.
+    close(&agreement["noise_um"], 0.2 / 3.0_f64.sqrt(), 0.02);
+    assert!(agreement["disagreeing"].is_null() && json["warnings"].as_array().unwrap().is_empty(), "{json}");
+    assert_eq!(agreement["probes"].as_array().unwrap().len(), 5);
+    assert!(directory.read("report/roundness.html").contains("The probes against one another"));
+}
+
+/// Readings of stationary probes at angles in degrees, with noise of up to 0.05 µm.
+fn probes_at(
+    degrees: &[f64],
+    theta: impl Fn(usize) -> f64,
+    rows: usize,
+    change: impl Fn(usize, usize, f64) -> f64,
+) -> String {
+    let mut noise = trueaxis_testing::noise::Noise::new(3);
+    let mut text: String = (1..=degrees.len()).map(|probe| format!("h{probe}_um,")).collect();
+    text += "theta_deg\n";
+    for row in 0..rows {
+        let theta = theta(row).to_radians();
+        for (probe, degrees) in degrees.iter().enumerate() {
+            let phi = degrees.to_radians();
+            let waves = [(2.0, 3.0), (3.0, 1.0), (5.0, 2.0), (9.0, 1.0), (14.0, 0.5), (23.0, 0.4)];
+            let profile: f64 = waves.iter().map(|(k, um)| um * (k * (theta + phi) + k).cos()).sum();
+            let motion = 40.0 * (theta + 0.3).sin() * phi.cos() + 40.0 * theta.cos() * phi.sin();
+            write!(text, "{},", change(probe, row, profile + motion + 0.05 * noise.signed())).unwrap();
+        }
+        writeln!(text, "{}", theta.to_degrees()).unwrap();
+    }
+    text
+}
+
+#[test]
+fn a_probe_that_disagrees_is_named_from_five_probes_on() {
+    let directory = Folder::new(TRUEAXIS);
+    let wave =
+        |probe: usize, row: usize, value: f64| if probe == 2 { value + 0.8 * (row as f64 * 0.7).sin() } else { value };
+    let even = |row: usize| 360.0 * row as f64 / 256.0;
+    for (degrees, named) in [([0.0, 39.2, 101.3, 158.9, 243.3].as_slice(), true), (&[0.0, 51.1, 123.4, 201.7], false)] {
+        let angles: Vec<String> = degrees.iter().map(f64::to_string).collect();
+        let angles = format!("--angles-deg={}", angles.join(","));
+        directory.write("probes.csv", probes_at(degrees, even, 512, wave));
+        let arguments = ["roundness", "probes.csv", "--n=256", &angles, "--harmonics=2..40", "--json"];
+        let json = directory.json(&arguments);
+        let warning = json["warnings"][0].as_str().unwrap();
+        if named {
+            assert_eq!(json["agreement"]["disagreeing"], 3);
+            assert!(warning.starts_with("probe 3 disagrees with the others"), "{warning}");
+        } else {
+            assert!(json["agreement"]["disagreeing"].is_null());
+            assert!(warning.ends_with("not as stated; four probes do not tell which"), "{warning}");
+        }
+        // Sound readings at other angles than the points, with a sensitivity 2 % too high.
+        let scaled = |probe: usize, _: usize, value: f64| if probe == 1 { 1.02 * value } else { value };
+        directory.write("probes.csv", probes_at(degrees, |row| 0.7 * row as f64, 1400, scaled));
+        let probe = &directory.json(&arguments)["agreement"]["probes"][1];
+        let [found, error] =
+            ["sensitivity_error", "sensitivity_error_standard_error"].map(|key| probe[key].as_f64().unwrap());
+        assert!((found - 0.02).abs() < 4.0 * error && error < 0.005, "{probe}");
+    }
+}
+
+#[test]
+fn places_that_do_not_suit_the_readings_are_refused() {
+    let directory = Folder::new(TRUEAXIS);
+    directory
+        .write("probes.csv", probes_at(&[0.0, 51.1, 123.4, 201.7], |row| 360.0 * row as f64 / 64.0, 64, |_, _, h| h));
+    for (angles, needed) in [
+        (&["--angles-deg=0,51.1,123.4"][..], "probes.csv:1: found a column h4_um, needed the readings of 3 probes"),
+        (
+            &["--phi2-deg=51.1", "--phi3-deg=72.3"],
+            "probes.csv:1: found a column h4_um, needed the readings of 3 probes",
+        ),
+        (&[FIVE], "probes.csv:1: found no column h5_um, needed the readings of 5 probes"),
+        (&["--angles-deg=0,90,180,270"], "--angles-deg: found angles that cannot see harmonics 3, 5, 7"),
+        (&["--angles-deg=0,90,181,450"], "--angles-deg, probe 4: found 450, needed angles from −360 to 360°"),
+        (&["--angles-deg=0,90,181,-179"], "--angles-deg, probe 4: found -179, needed a place of its own"),
+        (&["--angles-deg=0,90"], "--angles-deg: found 2, needed the angles of three to six probes"),
+        (&[], "needed --p and --q, --phi2-deg and --phi3-deg, or --angles-deg"),
+    ] {
+        let arguments = [&["roundness", "probes.csv", "--n=64", "--harmonics=2..12"], angles].concat();
+        directory.bad(&arguments, &[needed]);
+    }
+}

@@ -1,7 +1,7 @@
 //! Places of three to six probes: the best found within mechanical limits, and the noise gain of given ones.
 
 use crate::probe_angles::NoiseGain;
-use crate::probes::{Probes, refuse_blind};
+use crate::probes::{Probes, places};
 use crate::shown::{Cell, Table};
 use anyhow::{Result, anyhow, bail};
 use serde::{Deserialize, Serialize};
@@ -148,12 +148,7 @@ impl Request {
         if angles.len() != self.probes {
             bail!("--angles-deg: found {} angles, needed {}, one for each of --probes", angles.len(), self.probes);
         }
-        let places = ProbePlaces::new(angles).map_err(|error| match error.index {
-            Some(index) => anyhow!("--angles-deg, probe {}: found {}, needed {}", index + 1, error.found, error.needed),
-            None => anyhow!("--angles-deg: found {}, needed {}", error.found, error.needed),
-        })?;
-        refuse_blind("--angles-deg", band.iter().filter(|k| places.noise_gain(usize::from(*k)).is_infinite()))?;
-        Ok((places, angles.to_vec()))
+        Ok((places(angles, band)?, angles.to_vec()))
     }
 }
 

@@ -3,6 +3,7 @@
 use anyhow::{Result, anyhow, bail};
 use serde::{Deserialize, Serialize};
 use trueaxis::roundness::{Band, Gain, ProbeAngles};
+use trueaxis_metrology::probe_places::ProbePlaces;
 
 /// Minimum number of points per revolution.
 const FEWEST: usize = 64;
@@ -34,6 +35,9 @@ pub struct Probes {
     /// Angle from probe 2 to probe 3, degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phi3_deg: Option<f64>,
+    /// Angles of three to six probes from probe 1, degrees, instead of a pair.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angles_deg: Option<Vec<f64>>,
 }
 
 impl Probes {
@@ -66,6 +70,15 @@ impl Probes {
     /// Whether the request states a pair of angles.
     pub fn has_angles(&self) -> bool {
         self.p.is_some() || self.phi2_deg.is_some()
+    }
+
+    /// The requested places of three to six probes, if they are not given as a pair of angles. Refused if they cannot see some
+    /// harmonics of the band; the error names all of them.
+    ///
+    /// # Errors
+    /// Places that [`ProbePlaces::new`] refuses, as [`Probes::band`], or blind places.
+    pub fn places(&self) -> Result<Option<ProbePlaces>> {
+        self.angles_deg.as_ref().map(|angles| places(angles, self.band()?)).transpose()
     }
 
     /// The slots as given.
@@ -114,13 +127,23 @@ impl Probes {
                 Ok(ProbeAngles::Slots { p: found[0], q: found[1] })
             }
             (None, Some(phi2), Some(phi3)) => Ok(ProbeAngles::Degrees { phi2, phi3 }),
-            _ => bail!("found no probe angles, needed --p and --q, or --phi2-deg and --phi3-deg"),
+            _ => bail!("found no probe angles, needed --p and --q, --phi2-deg and --phi3-deg, or --angles-deg"),
         }
     }
 }
 
+/// Probes at the angles of `--angles-deg`. Refused if they cannot see some harmonics of the band.
+pub(crate) fn places(angles_deg: &[f64], band: Band) -> Result<ProbePlaces> {
+    let places = ProbePlaces::new(angles_deg).map_err(|error| match error.index {
+        Some(index) => anyhow!("--angles-deg, probe {}: found {}, needed {}", index + 1, error.found, error.needed),
+        None => anyhow!("--angles-deg: found {}, needed {}", error.found, error.needed),
+    })?;
+    refuse_blind("--angles-deg", band.iter().filter(|k| places.noise_gain(usize::from(*k)).is_infinite()))?;
+    Ok(places)
+}
+
 /// Refuses angles, given by `options`, that cannot see some harmonics of the band.
-pub(crate) fn refuse_blind(options: &str, blind: impl Iterator<Item = u16>) -> Result<()> {
+fn refuse_blind(options: &str, blind: impl Iterator<Item = u16>) -> Result<()> {
     let blind: Vec<String> = blind.map(|k| k.to_string()).collect();
     if !blind.is_empty() {
         bail!(

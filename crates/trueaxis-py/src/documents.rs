@@ -103,12 +103,12 @@ pub(crate) fn trace_roundness<'py>(
     result("Circle", document, Some(found.shown()))
 }
 
-/// Separate roundness and spindle error by three probes.
+/// Separate roundness and spindle error by three to six probes.
 ///
 /// Parameters
 /// ----------
 /// readings : array-like
-///     (revolutions × n, 3), µm, equidistant in θ; with theta_deg, any number of rows.
+///     (revolutions × n, 3 to 6), one column for each probe, µm, equidistant in θ; with theta_deg, any number of rows.
 /// n : int
 ///     Points per revolution, a power of two from 64 to 4096.
 /// harmonics : tuple[int, int], optional
@@ -131,6 +131,9 @@ pub(crate) fn trace_roundness<'py>(
 /// theta_deg : array-like, optional
 ///     Increasing angles of the rows. The function resamples the readings; `resampling` states the
 ///     interpolation error.
+/// angles_deg : list[float], optional
+///     Angles of three to six probes from probe 1 in the sense of θ, degrees, instead of a pair. From four probes on
+///     `agreement` states what they contradict one another by.
 ///
 /// Returns
 /// -------
@@ -144,7 +147,7 @@ pub(crate) fn trace_roundness<'py>(
 ///     If an argument or a record is refused: what was found, and what is needed.
 #[pyfunction]
 #[pyo3(signature = (readings, *, n, harmonics = None, p = None, q = None, phi2_deg = None, phi3_deg = None, arm = None,
-    upr = None, noise_gain_limit = NOISE_GAIN_LIMIT, theta_deg = None))]
+    upr = None, noise_gain_limit = NOISE_GAIN_LIMIT, theta_deg = None, angles_deg = None))]
 pub(crate) fn roundness<'py>(
     py: Python<'py>,
     readings: &Bound<'py, PyAny>,
@@ -158,19 +161,23 @@ pub(crate) fn roundness<'py>(
     upr: Option<u16>,
     noise_gain_limit: f64,
     theta_deg: Option<&Bound<'py, PyAny>>,
+    angles_deg: Option<Vec<f64>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (_, values) = arrays::rows(&units::in_unit(readings, "readings", "um")?, "readings", &[3])?;
-    let rows = values.len() / 3;
+    let (count, values) = arrays::rows(&units::in_unit(readings, "readings", "um")?, "readings", &[3, 4, 5, 6])?;
+    let rows = values.len() / count;
     let degrees = |given| units::in_unit(given, "theta_deg", "deg");
     let theta_deg =
         theta_deg.map(|given| arrays::column(&degrees(given)?, "theta_deg", rows, "readings")).transpose()?;
-    let probes = Probes { n, harmonics, p, q, phi2_deg, phi3_deg };
+    let probes = Probes { n, harmonics, p, q, phi2_deg, phi3_deg, angles_deg };
     let request = separation::Request { probes, arm, upr, noise_gain_limit };
     let (evaluation, shown, separations) = to_python(py.detach(|| {
         let plan = request.plan()?;
-        let probes = [0, 1, 2].map(|probe| values.iter().skip(probe).step_by(3).copied().collect::<Vec<f64>>());
+        let needed = plan.arrangement().probes();
+        anyhow::ensure!(count == needed, "readings: found {count} columns, needed {needed}, one for each angle");
+        let probes: Vec<Vec<f64>> =
+            (0..count).map(|probe| values.iter().skip(probe).step_by(count).copied().collect()).collect();
         let readings = match &theta_deg {
-            Some(angles) => plan.resample(probes.each_ref().map(Vec::as_slice), angles)?,
+            Some(angles) => plan.resample(&probes.iter().map(Vec::as_slice).collect::<Vec<&[f64]>>(), angles)?,
             None => {
                 let whole = rows.is_multiple_of(n);
                 anyhow::ensure!(whole, "readings: found {rows} rows, needed whole revolutions of {n} rows");
@@ -242,7 +249,8 @@ pub(crate) fn probe_angles<'py>(
     phi3_deg: Option<f64>,
     count: usize,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let request = angles::Request { probes: Probes { n, harmonics, p, q, phi2_deg, phi3_deg }, count };
+    let request =
+        angles::Request { probes: Probes { n, harmonics, p, q, phi2_deg, phi3_deg, angles_deg: None }, count };
     let document = to_python(py.detach(|| request.search()?.run(|| {})))?;
     table_result("ProbeAngles", dictionary(py, &document)?, "Angles of three probes", (String::new(), document.table()))
 }

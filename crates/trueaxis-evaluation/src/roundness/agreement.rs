@@ -1,11 +1,12 @@
 //! Detects probes that contradict one another because the polarity, sensitivity or angle of one is not as stated.
 //!
-//! For any motion of the spindle, s = h1 + k2 h2 + k3 h3 contains only the profile: it has no first harmonic, and repeats in
-//! every revolution. The check compares departures from both with the noise σ of the probes, estimated from their second
+//! Four to six probes are compared over all harmonics by [`Agreement`].
+//!
+//! With three, for any motion of the spindle, s = h1 + k2 h2 + k3 h3 contains only the profile: it has no first harmonic, and
+//! repeats in every revolution. The check compares departures from both with the noise σ of the probes, estimated from their second
 //! differences (variance 6 σ²).
 
-use trueaxis::roundness::Gain;
-use trueaxis_metrology::separation::Separation;
+use trueaxis_metrology::separation::{Agreement, Arrangement, Separation};
 use trueaxis_report::number::significant;
 
 /// Share of the once-per-revolution signal that s may still contain: the effect of 1 % in a probe's sensitivity or 0.6° in its
@@ -18,21 +19,57 @@ const NOISE: f64 = 5.0;
 /// Share of the profile by which revolutions may differ.
 const SPREAD: f64 = 0.05;
 
+/// Contradiction of four to six probes, as a multiple of what their noise explains, from which it is reported.
+const REDUNDANT: f64 = 2.0;
+
 /// Contradictions in the readings of whole revolutions, a sentence each; `kept` are the harmonics of the profile.
 pub(super) fn contradictions(
-    gain: &Gain,
-    probes: &[Vec<f64>; 3],
+    arrangement: &Arrangement,
+    points: usize,
+    probes: &[Vec<f64>],
     separations: &[Separation],
     kept: impl Iterator<Item = u16>,
 ) -> Vec<String> {
-    let weights = [1.0, gain.k2(), gain.k3()];
-    let noise = weights.iter().zip(probes).map(|(weight, probe)| weight * weight * variance(probe)).sum::<f64>().sqrt();
     let mut found = Vec::new();
-    found.extend(once_per_revolution(weights, probes, gain.points(), noise));
-    let gains: f64 = kept.map(|k| gain.noise_gain(usize::from(k)).powi(2)).sum();
-    let expected = noise / gain.norm() * (2.0 * gains / gain.points() as f64).sqrt();
-    found.extend(between_revolutions(separations, expected));
+    let noise = match (arrangement, probes) {
+        (Arrangement::Three(gain), [h1, h2, h3]) => {
+            let (weights, probes) = ([1.0, gain.k2(), gain.k3()], [h1, h2, h3]);
+            let parts = weights.iter().zip(probes).map(|(weight, probe)| weight * weight * variance(probe));
+            let noise = parts.sum::<f64>().sqrt();
+            found.extend(once_per_revolution(weights, probes, points, noise));
+            noise / gain.norm()
+        }
+        _ => noise(probes),
+    };
+    let gains: f64 = kept.map(|k| arrangement.noise_gain(usize::from(k)).powi(2)).sum();
+    found.extend(between_revolutions(separations, noise * (2.0 * gains / points as f64).sqrt()));
     found
+}
+
+/// Noise of a reading, the mean of the probes: root mean square.
+pub(super) fn noise(probes: &[Vec<f64>]) -> f64 {
+    (probes.iter().map(|probe| variance(probe)).sum::<f64>() / probes.len().max(1) as f64).sqrt()
+}
+
+/// What four to six probes contradict one another by, beyond their noise.
+pub(super) fn disagreement(agreement: &Agreement, noise: f64) -> Option<String> {
+    let found = significant(agreement.noise, 2);
+    if let Some(probe) = agreement.disagreeing {
+        let rest = agreement.noise_without.get(probe).copied().flatten().unwrap_or_default();
+        return Some(format!(
+            "probe {} disagrees with the others: the contradiction is that of {found} µm of noise with it and of {} µm without it",
+            probe + 1,
+            significant(rest, 2)
+        ));
+    }
+    (agreement.noise > REDUNDANT * noise).then(|| {
+        let which = if agreement.residual.len() == 4 { "; four probes do not tell which" } else { "" };
+        format!(
+            "the probes contradict one another like {found} µm of noise, where theirs is {} µm: the angle, the sensitivity or the \
+             readings of one or several are not as stated{which}",
+            significant(noise, 2)
+        )
+    })
 }
 
 /// Variance of white noise in a smooth signal.
@@ -41,7 +78,7 @@ fn variance(readings: &[f64]) -> f64 {
     squares.sum::<f64>() / (6.0 * readings.len().saturating_sub(2).max(1) as f64)
 }
 
-fn once_per_revolution(weights: [f64; 3], probes: &[Vec<f64>; 3], points: usize, noise: f64) -> Option<String> {
+fn once_per_revolution(weights: [f64; 3], probes: [&Vec<f64>; 3], points: usize, noise: f64) -> Option<String> {
     let rows = probes[0].len();
     let per_row = std::f64::consts::TAU / points as f64;
     let turn: Vec<(f64, f64)> = (0..points).map(|row| (per_row * row as f64).sin_cos()).collect();

@@ -5,7 +5,7 @@ use anyhow::{Result, anyhow};
 use serde::Serialize;
 use trueaxis_metrology::circles::{ReferenceCircle, limacon};
 use trueaxis_metrology::cores::*;
-use trueaxis_metrology::separation::{Harmonic, Separation, Separator};
+use trueaxis_metrology::separation::{Agreement, Arrangement, Harmonic, Separation, Separator};
 use trueaxis_metrology::spindle::{ErrorMotion, error_motion};
 
 /// The JSON document.
@@ -31,8 +31,62 @@ pub struct RoundnessDocument {
     pub harmonics: Vec<HarmonicEntry>,
     /// Error motion of the spindle.
     pub spindle: Spindle,
+    /// What four to six probes contradict one another by.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub agreement: Option<AgreementEntry>,
     /// Doubtful findings.
     pub warnings: Vec<String>,
+}
+
+/// Contradiction of four to six probes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AgreementEntry {
+    /// Standard deviation of a reading's noise that would explain the contradiction.
+    pub noise_um: f64,
+    /// The probe, from 1, without which the others agree at least twice as well, if chance does not explain it.
+    pub disagreeing: Option<usize>,
+    /// Each probe.
+    pub probes: Vec<ProbeEntry>,
+}
+
+/// A probe against the others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ProbeEntry {
+    /// Stated angle from probe 1, in the sense of θ.
+    pub angle_deg: f64,
+    /// Contradiction in its readings, root mean square.
+    pub residual_um: f64,
+    /// Noise that would explain the contradiction of the others; `None` with fewer than five probes.
+    pub noise_without_um: Option<f64>,
+    /// True angle less the stated one; `None` for probe 1, the reference.
+    pub angle_error_deg: Option<f64>,
+    /// Its standard error.
+    pub angle_error_standard_error_deg: Option<f64>,
+    /// Sensitivity relative to that of probe 1, less 1.
+    pub sensitivity_error: Option<f64>,
+    /// Its standard error.
+    pub sensitivity_error_standard_error: Option<f64>,
+}
+
+impl AgreementEntry {
+    pub(super) fn new(found: &Agreement, arrangement: &Arrangement) -> AgreementEntry {
+        let mounting = std::iter::once(None).chain(found.mounting.iter().copied().map(Some));
+        let probes = arrangement.degrees().into_iter().zip(&found.residual).zip(&found.noise_without).zip(mounting);
+        let probes = probes.map(|(((angle_deg, residual_um), noise_without_um), mounting)| ProbeEntry {
+            angle_deg,
+            residual_um: *residual_um,
+            noise_without_um: *noise_without_um,
+            angle_error_deg: mounting.map(|of| of.angle[0].to_degrees()),
+            angle_error_standard_error_deg: mounting.map(|of| of.angle[1].to_degrees()),
+            sensitivity_error: mounting.map(|of| of.sensitivity[0]),
+            sensitivity_error_standard_error: mounting.map(|of| of.sensitivity[1]),
+        });
+        AgreementEntry {
+            noise_um: found.noise,
+            disagreeing: found.disagreeing.map(|probe| probe + 1),
+            probes: probes.collect(),
+        }
+    }
 }
 
 /// Peak-to-valley about the four reference circles.
@@ -160,7 +214,7 @@ impl Circles {
 
 impl Evaluation {
     pub(super) fn new(separator: &Separator, separations: &[Separation], upr: Option<u16>) -> Result<Evaluation> {
-        let points = separator.gain().points();
+        let points = separator.points();
         let filtered = |profile: &[f64]| match upr {
             Some(cut_off) => separator.filtered(profile, cut_off),
             None => Ok(profile.to_vec()),
@@ -198,6 +252,7 @@ impl Evaluation {
             per_revolution,
             harmonics: separator.harmonics(&mean)?.into_iter().map(HarmonicEntry::from).collect(),
             spindle: Spindle { x: SpindleDirection::from(&x), y: SpindleDirection::from(&y) },
+            agreement: None,
             warnings: Vec::new(),
         };
         Ok(Evaluation { document, profile, circles, x, y })

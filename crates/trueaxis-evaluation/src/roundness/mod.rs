@@ -1,4 +1,4 @@
-//! Roundness and spindle error from three probes.
+//! Roundness and spindle error from three to six probes.
 
 mod agreement;
 mod document;
@@ -9,7 +9,8 @@ mod shown;
 mod trace;
 
 pub use document::{
-    Centres, Circles, Evaluation, HarmonicEntry, Revolution, RoundnessDocument, Spindle, SpindleDirection, Zones,
+    AgreementEntry, Centres, Circles, Evaluation, HarmonicEntry, ProbeEntry, Revolution, RoundnessDocument, Spindle,
+    SpindleDirection, Zones,
 };
 pub use orbit::orbit;
 pub use polar::polar;
@@ -22,35 +23,42 @@ use crate::rows::{Column, Row, Rows};
 use anyhow::{Result, anyhow, bail};
 use serde::{Deserialize, Serialize};
 use trueaxis::error::Field;
-use trueaxis::roundness::{Arm, Band, Gain, filter};
+use trueaxis::roundness::{Arm, Band, filter};
 use trueaxis_metrology::cores::*;
-use trueaxis_metrology::separation::{NOISE_GAIN_LIMIT, Separation, Separator};
+use trueaxis_metrology::separation::{Agreement, Arrangement, NOISE_GAIN_LIMIT, Separation, Separator};
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::text::counted;
 
 /// Columns of the readings.
-pub const COLUMNS: [Column; 4] = [
+pub const COLUMNS: [Column; 7] = [
     Column { name: "h1_um", needed: true },
     Column { name: "h2_um", needed: true },
     Column { name: "h3_um", needed: true },
-    Column { name: "theta_deg", needed: false },
+    Column { name: "h4_um", needed: false },
+    Column { name: "h5_um", needed: false },
+    Column { name: "h6_um", needed: false },
+    Column { name: THETA, needed: false },
 ];
+const THETA: &str = "theta_deg";
+/// Place of [`THETA`] in [`COLUMNS`].
+const THETA_AT: usize = 6;
 
 /// A trace at N equidistant angles from 0, the mean of its whole revolutions; its rows must resolve a harmonic.
 ///
 /// # Errors
 /// Angles that do not increase, gaps wider than half a wave of the harmonic, less than a revolution.
 fn resampled(trace: &[f64], theta_deg: &[f64], points: usize, harmonic: u16) -> Result<Vec<f64>> {
-    let mut rows = trace::InMemory { readings: [trace; 3], theta_deg, next: 0, of_sensors: false };
-    let ([values, _, _], _) = trace::read(&mut rows, points, Band { first: 2, last: harmonic })?;
+    let mut rows = trace::InMemory { readings: &[trace], theta_deg, next: 0, of_sensors: false };
+    let (probes, _) = trace::read(&mut rows, 1, points, Band { first: 2, last: harmonic })?;
+    let values = probes.first().map_or(&[][..], Vec::as_slice);
     let revolutions = values.len() / points;
     let mean = |i: usize| values.iter().skip(i).step_by(points).sum::<f64>() / revolutions as f64;
     Ok((0..points).map(mean).collect())
 }
 
 /// The probes' readings as channels.
-fn channels(probes: &[Vec<f64>; 3]) -> [Channel<'_>; 3] {
-    [0, 1, 2].map(|probe| Channel { name: COLUMNS[probe].name, values: &probes[probe], scale: 1.0 })
+fn channels(probes: &[Vec<f64>]) -> Vec<Channel<'_>> {
+    COLUMNS.iter().zip(probes).map(|(column, values)| Channel { name: column.name, values, scale: 1.0 }).collect()
 }
 
 /// Settings of an evaluation.
@@ -86,8 +94,8 @@ pub struct Plan {
 /// The readings of each probe, all revolutions of N readings in sequence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Readings {
-    /// Probes 1, 2, 3, µm.
-    pub probes: [Vec<f64>; 3],
+    /// Three to six probes, µm.
+    pub probes: Vec<Vec<f64>>,
     /// Resampling of readings that have their own angles.
     pub resampling: Option<Resampling>,
 }
@@ -122,7 +130,10 @@ impl Request {
         if !(limit.is_finite() && limit > 0.0) {
             bail!("--noise-gain-limit: found {limit}, needed a number above 0");
         }
-        let separator = Separator::new(self.probes.gain()?, band, limit, ratio)?;
+        let separator = match self.probes.places()? {
+            Some(places) => Separator::of_places(&places, self.probes.points()?, band, limit, ratio)?,
+            None => Separator::new(self.probes.gain()?, band, limit, ratio)?,
+        };
         if separator.suppressed().count() == band.iter().count() {
             bail!("--noise-gain-limit: found {limit}, which leaves out every harmonic, needed a limit that keeps some");
         }
@@ -137,8 +148,8 @@ impl Plan {
     }
 
     /// The arrangement of the probes.
-    pub fn gain(&self) -> &Gain {
-        self.separator.gain()
+    pub fn arrangement(&self) -> &Arrangement {
+        self.separator.arrangement()
     }
 
     /// Reads all rows of [`COLUMNS`]; resamples rows with angles.
@@ -146,12 +157,14 @@ impl Plan {
     /// # Errors
     /// A row that cannot be read, a partial revolution, a probe that stops changing half-way, or angles that cannot be
     /// resampled.
-    pub fn read(&self, rows: &mut Rows<'_, 4>) -> Result<Readings> {
-        if rows.present[3] {
-            let (probes, resampling) = trace::read(rows, self.points, self.band)?;
+    pub fn read(&self, rows: &mut Rows<'_, 7>) -> Result<Readings> {
+        self.check_columns(rows)?;
+        let count = self.arrangement().probes();
+        if rows.present[THETA_AT] {
+            let (probes, resampling) = trace::read(rows, count, self.points, self.band)?;
             return Ok(Readings { probes, resampling: Some(resampling) });
         }
-        let mut probes = [const { Vec::new() }; 3];
+        let mut probes = vec![Vec::new(); count];
         let mut lines = Vec::new();
         while let Some(Row { line, values }) = rows.next()? {
             for (probe, value) in probes.iter_mut().zip(values) {
@@ -179,13 +192,35 @@ impl Plan {
         Ok(Readings { probes, resampling: None })
     }
 
+    /// Refuses a file whose probes are not those of the request.
+    fn check_columns(&self, rows: &Rows<'_, 7>) -> Result<()> {
+        let count = self.arrangement().probes();
+        let columns = COLUMNS.iter().zip(rows.present).take(THETA_AT).enumerate();
+        for (probe, (column, present)) in columns {
+            if present != (probe < count) {
+                let found = if present { "a column" } else { "no column" };
+                return Err(FileError {
+                    file: rows.file.clone(),
+                    line: Some(1),
+                    column: None,
+                    found: format!("{found} {}", column.name),
+                    needed: format!(
+                        "the readings of {count} probes, as many as angles are given (--angles-deg for four to six)"
+                    ),
+                }
+                .into());
+            }
+        }
+        Ok(())
+    }
+
     /// Resamples readings, one of each probe per angle and at least one, as [`Plan::read`] resamples rows with angles.
     ///
     /// # Errors
     /// Angles that cannot be resampled; rows are named by index.
-    pub fn resample(&self, readings: [&[f64]; 3], theta_deg: &[f64]) -> Result<Readings> {
+    pub fn resample(&self, readings: &[&[f64]], theta_deg: &[f64]) -> Result<Readings> {
         let mut rows = trace::InMemory { readings, theta_deg, next: 0, of_sensors: true };
-        let (probes, resampling) = trace::read(&mut rows, self.points, self.band)?;
+        let (probes, resampling) = trace::read(&mut rows, readings.len(), self.points, self.band)?;
         Ok(Readings { probes, resampling: Some(resampling) })
     }
 
@@ -194,22 +229,31 @@ impl Plan {
     /// # Errors
     /// Readings with a partial revolution.
     pub fn separate(&self, readings: &Readings, done: impl Fn() + Sync) -> Result<Vec<Separation>> {
-        let [h1, h2, h3] = &readings.probes;
-        h1.par_chunks(self.points)
-            .zip(h2.par_chunks(self.points))
-            .zip(h3.par_chunks(self.points))
+        let rows = readings.probes.first().map_or(0, Vec::len);
+        (0..rows.div_ceil(self.points))
+            .into_par_iter()
             .map_init(
                 || self.separator.workspace(),
-                |workspace, ((h1, h2), h3)| {
+                |workspace, turn| {
                     done();
-                    Ok(self.separator.separate_in(workspace, [h1, h2, h3])?)
+                    let revolution = turn * self.points..rows.min((turn + 1) * self.points);
+                    let probes: Vec<&[f64]> =
+                        readings.probes.iter().map(|probe| probe.get(revolution.clone()).unwrap_or_default()).collect();
+                    Ok(self.separator.separate_in(workspace, &probes)?)
                 },
             )
             .collect()
     }
 
     /// Doubts about the request, and contradictions in the readings.
-    pub fn warnings(&self, separations: &[Separation], readings: &Readings) -> Vec<String> {
+    ///
+    /// # Errors
+    /// Readings with a partial revolution.
+    pub fn warnings(&self, separations: &[Separation], readings: &Readings) -> Result<Vec<String>> {
+        Ok(self.doubts(separations, readings, self.agreement(readings)?.as_ref()))
+    }
+
+    fn doubts(&self, separations: &[Separation], readings: &Readings, agreement: Option<&Agreement>) -> Vec<String> {
         let mut warnings = Vec::new();
         let suppressed: Vec<String> = self.separator.suppressed().map(|k| k.to_string()).collect();
         if !suppressed.is_empty() {
@@ -231,10 +275,23 @@ impl Plan {
                 warnings.push(format!("the band ends at harmonic {last}, below the cut-off of {cut_off} UPR"));
             }
         }
+        warnings.extend(agreement.and_then(|found| agreement::disagreement(found, agreement::noise(&readings.probes))));
         let suppressed: Vec<u16> = self.separator.suppressed().collect();
         let kept = self.band.iter().filter(|k| !suppressed.contains(k));
-        warnings.extend(agreement::contradictions(self.gain(), &readings.probes, separations, kept));
+        warnings.extend(agreement::contradictions(
+            self.arrangement(),
+            self.points,
+            &readings.probes,
+            separations,
+            kept,
+        ));
         warnings
+    }
+
+    /// What four to six probes contradict one another by.
+    fn agreement(&self, readings: &Readings) -> Result<Option<Agreement>> {
+        let probes: Vec<&[f64]> = readings.probes.iter().map(Vec::as_slice).collect();
+        Ok(self.separator.agreement(&probes)?)
     }
 
     /// Zones, harmonics and error motion of separated revolutions, with the warnings.
@@ -244,7 +301,9 @@ impl Plan {
     pub fn evaluate(&self, separations: &[Separation], readings: &Readings) -> Result<Evaluation> {
         let mut evaluation = Evaluation::new(&self.separator, separations, self.upr)?;
         evaluation.document.resampling = readings.resampling.clone();
-        evaluation.document.warnings = self.warnings(separations, readings);
+        let agreement = self.agreement(readings)?;
+        evaluation.document.warnings = self.doubts(separations, readings, agreement.as_ref());
+        evaluation.document.agreement = agreement.map(|found| AgreementEntry::new(&found, self.arrangement()));
         Ok(evaluation)
     }
 }
@@ -257,7 +316,7 @@ impl Readings {
         Some(format!(
             "{} rows resampled to {} revolutions of {points}; interpolation error at most {max:.2e} µm, {rms:.2e} µm RMS{}",
             resampling.rows,
-            self.probes[0].len() / points,
+            self.probes.first().map_or(0, Vec::len) / points,
             match resampling.unused_rows {
                 0 => String::new(),
                 unused => format!("; not used after the last whole revolution: {}", counted(unused, "row")),

@@ -1,8 +1,9 @@
 //! Tables and plots of roundness and spindle error.
 
-use super::{Evaluation, HarmonicEntry, Plan, Revolution, RoundnessDocument, SpindleDirection, Zones};
+use super::{AgreementEntry, Evaluation, HarmonicEntry, Plan, Revolution, RoundnessDocument, SpindleDirection, Zones};
 use crate::circle::NAMES;
-use crate::shown::{Cell, Curve, Look, Plot, Shown, Table};
+use crate::shown::{Cell, Curve, Look, Plot, Shown, Table, Uncertainty};
+use trueaxis_metrology::separation::Arrangement;
 use trueaxis_metrology::spindle::ErrorMotion;
 use trueaxis_report::number::{shortest, significant};
 use trueaxis_tables::text::counted;
@@ -26,7 +27,6 @@ impl Plan {
         let document = &evaluation.document;
         let filter = document.upr.map_or("no filter".to_owned(), |upr| format!("Gaussian filter {upr} UPR"));
         let revolutions = counted(document.revolutions, "revolution");
-        let [phi2, phi3] = [self.gain().phi2(), self.gain().phi3()].map(|phi| shortest(phi.to_degrees()));
         let caption = format!("Roundness of the mean of {revolutions}, {filter}");
         let mut notes = document.warnings.clone();
         if document.revolutions < 2 {
@@ -36,12 +36,15 @@ impl Plan {
             title: "Roundness and spindle error".into(),
             summary: vec![
                 format!("{revolutions} of {} points", document.n),
-                format!("φ2 = {phi2}°, φ3 = {phi3}°"),
+                self.angles(),
                 filter,
                 self.gains(document),
             ],
             notes,
-            tables: vec![zones(caption, document), spindle(document)],
+            tables: [zones(caption, document), spindle(document)]
+                .into_iter()
+                .chain(document.agreement.as_ref().map(probes))
+                .collect(),
             plots: [profile(&evaluation.profile)]
                 .into_iter()
                 .chain(self.harmonics(&document.harmonics))
@@ -50,6 +53,15 @@ impl Plan {
                 .collect(),
             ..Shown::default()
         }
+    }
+
+    fn angles(&self) -> String {
+        if let Arrangement::Three(gain) = self.arrangement() {
+            let [phi2, phi3] = [gain.phi2(), gain.phi3()].map(|phi| shortest(phi.to_degrees()));
+            return format!("φ2 = {phi2}°, φ3 = {phi3}°");
+        }
+        let angles: Vec<String> = self.arrangement().degrees().into_iter().map(shortest).collect();
+        format!("{} probes at {}°", angles.len(), angles.join("°, "))
     }
 
     /// Suppressed harmonics, the largest noise gain and its limit.
@@ -160,6 +172,42 @@ fn zones(caption: String, document: &RoundnessDocument) -> Table {
         "centre y, µm",
         "single revolutions from, µm",
         "single revolutions to, µm",
+    ];
+    Table::new(caption, header, rows)
+}
+
+/// Each probe against the others.
+fn probes(agreement: &AgreementEntry) -> Table {
+    let rows = agreement.probes.iter().enumerate().map(|(index, of)| {
+        let with = |value: Option<f64>, error: Option<f64>, scale: f64| {
+            let uncertainty = error.map(|error| Uncertainty::foreseen(scale * error));
+            match uncertainty {
+                Some(uncertainty) => [uncertainty.value(value.map(|value| scale * value)), uncertainty.cell()],
+                None => [Cell::from("–"), Cell::from("–")],
+            }
+        };
+        let angle = with(of.angle_error_deg, of.angle_error_standard_error_deg, 1.0);
+        let sensitivity = with(of.sensitivity_error, of.sensitivity_error_standard_error, 100.0);
+        let without = of.noise_without_um.map_or(Cell::from("–"), |um| Cell::number(um, 3));
+        [Cell::count(index + 1), Cell::shortest(of.angle_deg), Cell::number(of.residual_um, 3), without]
+            .into_iter()
+            .chain(angle)
+            .chain(sensitivity)
+            .collect()
+    });
+    let caption = format!(
+        "The probes against one another: they contradict each other like {} µm of noise",
+        significant(agreement.noise_um, 3)
+    );
+    let header = [
+        "probe",
+        "angle, °",
+        "contradiction in its readings, µm RMS",
+        "noise of the others without it, µm",
+        "error of its angle, °",
+        "±, °",
+        "error of its sensitivity, %",
+        "±, %",
     ];
     Table::new(caption, header, rows)
 }

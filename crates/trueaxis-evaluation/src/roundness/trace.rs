@@ -1,6 +1,6 @@
 //! Readings with individual angles, resampled to N equidistant angles per revolution.
 
-use super::channels;
+use super::{THETA, THETA_AT, channels};
 use crate::record;
 use crate::rows::{Row, Rows};
 use anyhow::{Result, anyhow};
@@ -36,42 +36,41 @@ const SIDE: usize = 3;
 /// difference.
 const FINEST_DEG: f64 = 1e-9;
 
-/// A trace: increasing, unwrapped angles and the readings of the three probes.
-#[derive(Default)]
+/// A trace: increasing, unwrapped angles and the readings of each probe.
 struct Trace {
     angles_deg: Vec<f64>,
-    probes: [Vec<f64>; 3],
+    probes: Vec<Vec<f64>>,
 }
 
-/// Rows of h1, h2, h3 (µm) and the angle (degrees), from a file or from memory.
+/// Rows of [`COLUMNS`](super::COLUMNS), from a file or from memory.
 pub(super) trait Given {
     /// The next row.
-    fn next(&mut self) -> Result<Option<Row<4>>>;
+    fn next(&mut self) -> Result<Option<Row<7>>>;
 
     /// Refuses a probe that stops changing half-way; `lines` are those of the rows.
-    fn alive(&self, lines: &[u32], probes: &[Vec<f64>; 3]) -> Result<()>;
+    fn alive(&self, lines: &[u32], probes: &[Vec<f64>]) -> Result<()>;
 
     /// Refusal of the angle of a row, or of all angles.
     fn refused(&self, line: Option<u32>, found: String, needed: String) -> anyhow::Error;
 }
 
-impl Given for Rows<'_, 4> {
-    fn next(&mut self) -> Result<Option<Row<4>>> {
+impl Given for Rows<'_, 7> {
+    fn next(&mut self) -> Result<Option<Row<7>>> {
         Rows::next(self)
     }
 
-    fn alive(&self, lines: &[u32], probes: &[Vec<f64>; 3]) -> Result<()> {
+    fn alive(&self, lines: &[u32], probes: &[Vec<f64>]) -> Result<()> {
         record::alive(self, lines, &channels(probes))
     }
 
     fn refused(&self, line: Option<u32>, found: String, needed: String) -> anyhow::Error {
-        FileError { file: self.file.clone(), line, column: Some("theta_deg".into()), found, needed }.into()
+        FileError { file: self.file.clone(), line, column: Some(THETA.into()), found, needed }.into()
     }
 }
 
 /// Rows in memory; errors name a row by its index.
 pub(super) struct InMemory<'r> {
-    pub(super) readings: [&'r [f64]; 3],
+    pub(super) readings: &'r [&'r [f64]],
     pub(super) theta_deg: &'r [f64],
     pub(super) next: usize,
     /// Whether a sensor that stops changing is refused.
@@ -79,15 +78,19 @@ pub(super) struct InMemory<'r> {
 }
 
 impl Given for InMemory<'_> {
-    fn next(&mut self) -> Result<Option<Row<4>>> {
+    fn next(&mut self) -> Result<Option<Row<7>>> {
         let at = self.next;
         let Some(angle) = self.theta_deg.get(at) else { return Ok(None) };
         self.next += 1;
-        let [h1, h2, h3] = self.readings.map(|readings| readings[at]);
-        Ok(Some(Row { line: at as u32, values: [h1, h2, h3, *angle] }))
+        let mut values = [0.0; 7];
+        for (value, readings) in values.iter_mut().zip(self.readings) {
+            *value = readings[at];
+        }
+        values[THETA_AT] = *angle;
+        Ok(Some(Row { line: at as u32, values }))
     }
 
-    fn alive(&self, _: &[u32], probes: &[Vec<f64>; 3]) -> Result<()> {
+    fn alive(&self, _: &[u32], probes: &[Vec<f64>]) -> Result<()> {
         if !self.of_sensors {
             return Ok(());
         }
@@ -105,17 +108,23 @@ impl Given for InMemory<'_> {
     }
 }
 
-/// Reads all rows and resamples them: the readings of each probe at 360°·i/N, whole revolutions in sequence.
+/// Reads all rows of `count` probes and resamples them: the readings of each probe at 360°·i/N, whole revolutions in sequence.
 ///
 /// # Errors
 /// Angles that do not increase by [`FINEST_DEG`], gaps too wide for the band, less than a revolution.
-pub(super) fn read(rows: &mut impl Given, points: usize, band: Band) -> Result<([Vec<f64>; 3], Resampling)> {
+pub(super) fn read(
+    rows: &mut impl Given,
+    count: usize,
+    points: usize,
+    band: Band,
+) -> Result<(Vec<Vec<f64>>, Resampling)> {
     let widest = 180.0 / f64::from(band.last);
-    let mut trace = Trace::default();
+    let mut trace = Trace { angles_deg: Vec::new(), probes: vec![Vec::new(); count] };
     let mut lines = Vec::new();
     let mut turns = 0.0;
     let mut gap: f64 = 0.0;
-    while let Some(Row { line, values: [h1, h2, h3, angle] }) = rows.next()? {
+    while let Some(Row { line, values }) = rows.next()? {
+        let angle = values[THETA_AT];
         if let Some(before) = trace.angles_deg.last().copied() {
             // An angle that drops by more than half a turn starts the next revolution.
             if angle + turns < before - 180.0 {
@@ -135,25 +144,24 @@ pub(super) fn read(rows: &mut impl Given, points: usize, band: Band) -> Result<(
         }
         trace.angles_deg.push(angle + turns);
         lines.push(line);
-        for (probe, value) in trace.probes.iter_mut().zip([h1, h2, h3]) {
+        for (probe, value) in trace.probes.iter_mut().zip(values) {
             probe.push(value);
         }
     }
     rows.alive(&lines, &trace.probes)?;
-    let count = trace.angles_deg.len();
-    let (first, last) = (trace.angles_deg[0], trace.angles_deg[count - 1]);
+    let rows_read = trace.angles_deg.len();
+    let (first, last) = (trace.angles_deg[0], trace.angles_deg[rows_read - 1]);
     let step = 360.0 / points as f64;
     let (begin, end) = ((first / step - 1e-9).ceil() as i64, ((last + gap) / step + 1e-9).floor() as i64);
     let revolutions = usize::try_from(end - begin + 1).unwrap_or(0) / points;
     if revolutions == 0 || last - first + widest < 360.0 {
-        let found = format!("{:.4} degrees in {count} rows", last - first);
+        let found = format!("{:.4} degrees in {rows_read} rows", last - first);
         let is_radians = record::radians(&trace.angles_deg).is_some();
         let needed = if is_radians { record::DEGREES } else { "a whole revolution" };
         return Err(rows.refused(None, found, needed.into()));
     }
     trace.close();
-    let mut readings = [const { Vec::new() }; 3];
-    readings.iter_mut().for_each(|probe| probe.resize(revolutions * points, 0.0));
+    let mut readings = vec![vec![0.0; revolutions * points]; count];
     let (mut max, mut sum) = (0.0_f64, 0.0);
     for (turn, i) in (begin..).take(revolutions * points).enumerate() {
         // A revolution may begin at any angle; each point goes to its index.
@@ -166,10 +174,10 @@ pub(super) fn read(rows: &mut impl Given, points: usize, band: Band) -> Result<(
         }
     }
     let used_to = (begin + (revolutions * points) as i64 - 1) as f64 * step;
-    let unused_rows = trace.angles_deg[SIDE..SIDE + count].iter().filter(|angle| **angle > used_to + gap).count();
-    let rms = (sum / (3 * revolutions * points) as f64).sqrt();
+    let unused_rows = trace.angles_deg[SIDE..SIDE + rows_read].iter().filter(|angle| **angle > used_to + gap).count();
+    let rms = (sum / (count * revolutions * points) as f64).sqrt();
     let interpolation_error_um = InterpolationError { max, rms };
-    Ok((readings, Resampling { rows: count, unused_rows, largest_gap_deg: gap, interpolation_error_um }))
+    Ok((readings, Resampling { rows: rows_read, unused_rows, largest_gap_deg: gap, interpolation_error_um }))
 }
 
 impl Trace {
@@ -188,11 +196,11 @@ impl Trace {
     }
 
     /// Readings at an angle, by polynomials through the six and the four readings around it.
-    fn at(&self, angle: f64) -> ([f64; 3], [f64; 3]) {
+    fn at(&self, angle: f64) -> (Vec<f64>, Vec<f64>) {
         let after = self.angles_deg.partition_point(|known| *known < angle).clamp(SIDE, self.angles_deg.len() - SIDE);
         let by = |side: usize| {
             let nodes = &self.angles_deg[after - side..after + side];
-            let mut sums = [0.0; 3];
+            let mut sums = vec![0.0; self.probes.len()];
             for (i, node) in nodes.iter().enumerate() {
                 let others = nodes.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other);
                 let weight: f64 = others.map(|other| (angle - other) / (node - other)).product();

@@ -102,7 +102,8 @@ impl Separator {
     }
 
     /// Angle and sensitivity of each probe but the first from the contradiction, which is linear in small errors:
-    /// ∂h_i/∂φ_i = j k r e^{jkφ_i} − sin φ_i one + cos φ_i across, and ∂h_i/∂s_i = h_i, without profile and motion.
+    /// ∂h_i/∂φ_i = j k r e^{jkφ_i} − sin φ_i one + cos φ_i across, and ∂h_i/∂s_i = h_i, without profile and motion. Both are
+    /// taken from the fit: the readings' own noise, which is also in the contradiction, would bias the sensitivities.
     fn mounting(&self, places: &ProbePlaces, harmonics: &[usize], spectra: &[Spectra], pairs: f64) -> Vec<Mounting> {
         let (count, columns) = (places.angles().len(), without_motion(places));
         let unknowns = 2 * (count - 1);
@@ -111,22 +112,15 @@ impl Separator {
             let seen = Seen::of(places, &columns, *k);
             for readings in spectra.iter().map(|spectra| at(spectra, *k)) {
                 let found = seen.solve(&readings);
-                let motion = motion(places, &readings, *k, found.profile);
+                let along = motion(places, &readings, *k, found.profile);
                 let derivatives: Vec<Vec<Complex<f64>>> = (1..count)
                     .flat_map(|probe| {
                         let angle = places.angles().get(probe).copied().unwrap_or_default();
-                        let turned = Complex::new(0.0, *k as f64) * found.profile * Complex::cis(*k as f64 * angle);
-                        let along = motion[1] * libm::cos(angle) - motion[0] * libm::sin(angle);
-                        let reading = readings.get(probe).copied().unwrap_or_default();
-                        [turned + along, reading].map(|value| {
-                            seen.left(
-                                columns
-                                    .iter()
-                                    .map(|weights| value * weights.get(probe).copied().unwrap_or_default())
-                                    .collect(),
-                            )
-                            .0
-                        })
+                        let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+                        let profile = found.profile * Complex::cis(*k as f64 * angle);
+                        let turned = Complex::new(0.0, *k as f64) * profile + along[1] * cos - along[0] * sin;
+                        let scaled = profile + along[0] * cos + along[1] * sin;
+                        [turned, scaled].map(|value| seen.left(seen.of_probe(probe, value)).0)
                     })
                     .collect();
                 for (row, left) in found.left.iter().enumerate() {
@@ -216,6 +210,11 @@ impl<'c> Seen<'c> {
         let combined = self.columns.iter().map(|weights| readings.iter().zip(weights).map(|(h, w)| h * *w).sum());
         let (left, profile) = self.left(combined.collect());
         Solved { profile, left }
+    }
+
+    /// Nᵀ of a change in the readings of one probe.
+    fn of_probe(&self, probe: usize, value: Complex<f64>) -> Vec<Complex<f64>> {
+        self.columns.iter().map(|weights| value * weights.get(probe).copied().unwrap_or_default()).collect()
     }
 
     /// What is left of a vector without its part along the gains, and that part's factor.
