@@ -220,6 +220,28 @@ def test_roundness_is_that_of_roundness(tmp_path):
     assert np.allclose(profile, part(theta).reshape(3, n), rtol=0, atol=1e-9)
 
 
+def test_roundness_by_five_probes_is_that_of_roundness(tmp_path):
+    n, degrees = 256, [0, 39.2, 101.3, 158.9, 243.3]
+    theta = 2 * np.pi * np.arange(2 * n) / n
+    phi = np.deg2rad(degrees)
+    part = lambda at: 2.0 * np.cos(3 * at) + 0.5 * np.sin(7 * at)
+    readings = part(theta[:, None] + phi) + 40.0 * np.cos(theta[:, None] - phi) + RNG.normal(0, 0.01, (2 * n, 5))
+    readings[:, 3] += 0.2 * np.sin(0.9 * np.arange(2 * n))
+    file = written(tmp_path / "probes.csv", "h1_um,h2_um,h3_um,h4_um,h5_um", readings)
+    angles = ",".join(map(str, degrees))
+    code, out, err = command("roundness", file, "--n", n, "--angles-deg", angles, "--json", "-o", tmp_path / "r.csv")
+    assert code == 0, err
+    found = trueaxis.roundness(readings, n=n, angles_deg=degrees)
+    assert found.agreement.disagreeing == 4 and found.agreement.probes[3].residual_um > 0.05
+    found = found.to_dict()
+    for name in ("profile_um", "rx_um", "ry_um"):
+        found.pop(name)
+    assert found == json.loads(out)
+    message = refused(lambda: trueaxis.roundness(readings[:, :4], n=n, angles_deg=degrees))
+    assert message == "readings: found 4 columns, needed 5, one for each angle"
+    assert "harmonics 3, 5" in refused(lambda: trueaxis.roundness(readings[:, :4], n=n, angles_deg=[0, 90, 180, 270]))
+
+
 def test_roundness_of_readings_with_angles_is_that_of_roundness(tmp_path):
     n, p, q = 256, 47, 167
     theta_deg = 100.0 + 3 * 360.0 * (np.arange(4000) + RNG.uniform(0, 0.7, 4000)) / 4000

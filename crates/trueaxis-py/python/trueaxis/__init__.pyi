@@ -355,6 +355,7 @@ def roundness(
     upr: int | None = None,
     noise_gain_limit: float = ...,
     theta_deg: ArrayLike | None = None,
+    angles_deg: Sequence[float] | None = None,
 ) -> Roundness: ...
 def probe_angles(
     *,

@@ -273,6 +273,58 @@ class Spindle(Section):
     y: SpindleDirection
 
 
+class ProbeEntry(Section):
+    """A probe against the others.
+
+    Attributes
+    ----------
+    angle_deg : float
+        Stated angle from probe 1, in the sense of θ.
+    residual_um : float
+        Contradiction in its readings, root mean square.
+    noise_without_um : float | None
+        Noise that would explain the contradiction of the others; `None` with fewer than five probes.
+    angle_error_deg : float | None
+        True angle less the stated one; `None` for probe 1, the reference.
+    angle_error_standard_error_deg : float | None
+        Its standard error.
+    sensitivity_error : float | None
+        Sensitivity relative to that of probe 1, less 1.
+    sensitivity_error_standard_error : float | None
+        Its standard error.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    angle_deg: float
+    residual_um: float
+    noise_without_um: float | None
+    angle_error_deg: float | None
+    angle_error_standard_error_deg: float | None
+    sensitivity_error: float | None
+    sensitivity_error_standard_error: float | None
+
+
+class AgreementEntry(Section):
+    """Contradiction of four to six probes.
+
+    Attributes
+    ----------
+    noise_um : float
+        Standard deviation of a reading's noise that would explain the contradiction.
+    disagreeing : int | None
+        The probe, from 1, without which the others agree at least twice as well, if chance does not explain it.
+    probes : tuple[ProbeEntry, ...]
+        Each probe.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {"probes": ProbeEntry}
+    noise_um: float
+    disagreeing: int | None
+    probes: tuple[ProbeEntry, ...]
+
+
 class Roundness(Result):
     """Result of `roundness`.
 
@@ -302,6 +354,8 @@ class Roundness(Result):
         Harmonics of the unfiltered mean profile.
     spindle : Spindle
         Error motion of the spindle.
+    agreement : AgreementEntry | None
+        What four to six probes contradict one another by.
     warnings : tuple[str, ...]
         Doubtful findings.
     profile_um : NDArray[np.float64]
@@ -313,7 +367,7 @@ class Roundness(Result):
     """
 
     __slots__ = ()
-    _sections: ClassVar[dict[str, type[Section]]] = {"resampling": Resampling, "centres_um": Centres, "per_revolution": Revolution, "harmonics": HarmonicEntry, "spindle": Spindle}
+    _sections: ClassVar[dict[str, type[Section]]] = {"resampling": Resampling, "centres_um": Centres, "per_revolution": Revolution, "harmonics": HarmonicEntry, "spindle": Spindle, "agreement": AgreementEntry}
     n: int
     revolutions: int
     upr: int | None
@@ -326,6 +380,7 @@ class Roundness(Result):
     per_revolution: tuple[Revolution, ...]
     harmonics: tuple[HarmonicEntry, ...]
     spindle: Spindle
+    agreement: AgreementEntry | None
     warnings: tuple[str, ...]
     profile_um: NDArray[np.float64]
     rx_um: NDArray[np.float64]
