@@ -202,11 +202,11 @@ fn probes(agreement: &AgreementEntry) -> Table {
     let header = [
         "probe",
         "angle, °",
-        "contradiction in its readings, µm RMS",
-        "noise of the others without it, µm",
-        "error of its angle, °",
+        "contradiction, µm RMS",
+        "noise without it, µm",
+        "angle error, °",
         "±, °",
-        "error of its sensitivity, %",
+        "sensitivity error, %",
         "±, %",
     ];
     Table::new(caption, header, rows)
