@@ -1,4 +1,4 @@
-//! Readings of three probes: `trueaxis roundness` and the desk.
+//! Readings of three and five probes: `trueaxis roundness` and the desk.
 
 use crate::alone::alone;
 use crate::execution::SLOWEST;
@@ -12,7 +12,7 @@ use trueaxis_evaluation::rows::Rows;
 /// See [`Target`].
 pub const TARGET: Target = Target {
     name: "probes",
-    about: "readings of three probes (CSV), with angles and without, through separation and evaluation",
+    about: "readings of three and five probes (CSV), with angles and without, through separation and evaluation",
     run,
     seeds,
     repair: no_repair,
@@ -26,8 +26,11 @@ const POINTS: usize = 64;
 /// With more rows, evaluation takes too long here.
 const MOST_ROWS: usize = 3 * POINTS;
 
-/// Requests, selected by the length of the input: without a filter, with one, with an arm.
-fn plans() -> [Plan; 3] {
+/// Angles of five probes, degrees.
+const FIVE: [f64; 5] = [0.0, 39.2, 101.3, 158.9, 243.3];
+
+/// Requests, selected by the length of the input: without a filter, with one, with an arm, by five probes.
+fn plans() -> [Plan; 4] {
     let plain = Request {
         probes: Probes { n: POINTS, harmonics: Some([2, 15]), p: Some(11), q: Some(14), ..Probes::default() },
         arm: None,
@@ -36,11 +39,15 @@ fn plans() -> [Plan; 3] {
     };
     let filtered = Request { upr: Some(15), noise_gain_limit: 3.0, ..plain.clone() };
     let arm = Request { arm: Some([40.0, 300.0, 30.0]), ..plain.clone() };
-    [plain, filtered, arm].map(|request| request.plan().expect("a good request"))
+    let five = Request {
+        probes: Probes { p: None, q: None, angles_deg: Some(FIVE.to_vec()), ..plain.probes.clone() },
+        ..plain.clone()
+    };
+    [plain, filtered, arm, five].map(|request| request.plan().expect("a good request"))
 }
 
 thread_local! {
-    static PLANS: [Plan; 3] = plans();
+    static PLANS: [Plan; 4] = plans();
 }
 
 fn run(bytes: &[u8]) {
@@ -51,13 +58,14 @@ fn run(bytes: &[u8]) {
         let mut rows = Rows::new(bytes, Path::new(FILE), &COLUMNS, |_| {})?;
         let readings = plan.read(&mut rows)?;
         drop(rows);
-        let lengths = readings.probes.each_ref().map(Vec::len);
-        assert!(lengths[0] > 0 && lengths[0].is_multiple_of(POINTS) && lengths == [lengths[0]; 3], "{lengths:?}");
+        let lengths: Vec<usize> = readings.probes.iter().map(Vec::len).collect();
+        assert_eq!(lengths.len(), plan.arrangement().probes());
+        assert!(lengths.iter().all(|length| *length > 0 && length.is_multiple_of(POINTS) && *length == lengths[0]));
         readings.note(plan.points()).iter().for_each(outcome::refused);
         let separations = plan.separate(&readings, || {})?;
         plan.evaluate(&separations, &readings)
     };
-    let found = PLANS.with(|plans| alone(|| evaluate(&plans[bytes.len() % 3])));
+    let found = PLANS.with(|plans| alone(|| evaluate(&plans[bytes.len() % 4])));
     match found {
         Ok(found) => accepted(&found),
         Err(error) => refusal::of_file(&format!("{error:#}"), FILE, bytes),
@@ -70,9 +78,12 @@ fn accepted(found: &Evaluation) {
     assert_eq!(document.n, POINTS);
     assert_eq!(document.per_revolution.len(), document.revolutions);
     let json = serde_json::to_string(document).expect("a document");
-    // serde_json writes non-finite numbers as null; here two things may be null.
+    // serde_json writes non-finite numbers as null; here two things may be null, and errors that five probes do not determine.
     let nulls = usize::from(document.upr.is_none()) + 2 * usize::from(document.spindle.x.asynchronous_um.is_none());
-    assert_eq!(json.matches(":null").count(), nulls, "{json}");
+    match &document.agreement {
+        None => assert_eq!(json.matches(":null").count(), nulls, "{json}"),
+        Some(found) => assert!(found.noise_um.is_finite() && found.probes.iter().all(|of| of.residual_um.is_finite())),
+    }
     let mut curves = found.profile.iter().chain(&found.x.mean_contour).chain(&found.y.mean_contour);
     assert!(curves.all(|value| value.is_finite()));
     for Zones { lsc_um, mzc_um, mic_um, mcc_um } in
@@ -96,17 +107,25 @@ fn accepted(found: &Evaluation) {
 
 fn seeds() -> Vec<Vec<u8>> {
     let angle = |i: usize| std::f64::consts::TAU * i as f64 / POINTS as f64;
-    let reading = |i: usize, slot: usize| (2.0 * (3.0 * (angle(i) + angle(slot))).cos() + 10.0 * angle(i).sin()) as f32;
-    let row = |i: usize| [0, 11, 25].map(|slot| format!("{:.1}", reading(i, slot)));
+    let reading = |i: usize, phi: f64| (2.0 * (3.0 * (angle(i) + phi)).cos() + 10.0 * (angle(i) + phi).sin()) as f32;
+    let row = |i: usize, phi: &[f64]| phi.iter().map(|phi| format!("{:.1}", reading(i, *phi))).collect::<Vec<_>>();
+    let three = [0, 11, 25].map(angle);
     let mut plain = String::from("h1_um,h2_um,h3_um\n");
+    let mut five = String::from("h1_um,h2_um,h3_um,h4_um,h5_um\n");
     let mut angles = String::from("theta_deg;h1_um;h2_um;h3_um\n");
     for i in 0..POINTS {
-        plain += &(row(i).join(",") + "\n");
-        angles += &format!("{};{}\n", 5.625 * i as f64, row(i).join(";")).replace('.', ",");
+        plain += &(row(i, &three).join(",") + "\n");
+        five += &(row(i, &FIVE.map(f64::to_radians)).join(",") + "\n");
+        angles += &format!("{};{}\n", 5.625 * i as f64, row(i, &three).join(";")).replace('.', ",");
     }
     for i in POINTS..POINTS + 4 {
-        angles += &format!("{};{}\n", 5.625 * (i - POINTS) as f64, row(i).join(";")).replace('.', ",");
+        angles += &format!("{};{}\n", 5.625 * (i - POINTS) as f64, row(i, &three).join(";")).replace('.', ",");
     }
-    let (more, most) = (plain.clone() + "#\n", plain.clone() + "# \n");
-    [plain, angles, more, most].map(String::into_bytes).into()
+    // A comment gives each the length that selects its request.
+    let asked = [(&plain, 0), (&angles, 0), (&plain, 1), (&plain, 2), (&five, 3)];
+    let padded = asked.map(|(text, plan)| {
+        let comment = (4 + plan + 4 - (text.len() + 2) % 4) % 4;
+        format!("{text}#{}\n", " ".repeat(comment))
+    });
+    padded.map(String::into_bytes).into()
 }
