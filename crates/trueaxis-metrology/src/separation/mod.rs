@@ -153,15 +153,18 @@ pub struct Separator {
 
 /// How readings are combined.
 enum Method {
-    Three {
-        gain: Gain,
-        /// By harmonic from 0 to the band's last: factors from an unscaled spectrum to the profile and to the profile at
-        /// θ + φ2, 1/(N G) and e^{jkφ2}/(N G); `None` if suppressed.
-        multipliers: Vec<Option<[Complex<f64>; 2]>>,
-        /// φ2 in whole points, if it is one: then r(θ + φ2) is a rotation of r.
-        whole_points: Option<usize>,
-    },
+    Three(ClosedForm),
     Places(LeastSquares),
+}
+
+/// Factors of a plan for three probes.
+struct ClosedForm {
+    gain: Gain,
+    /// By harmonic from 0 to the band's last: factors from an unscaled spectrum to the profile and to the profile at θ + φ2,
+    /// 1/(N G) and e^{jkφ2}/(N G); `None` if suppressed.
+    multipliers: Vec<Option<[Complex<f64>; 2]>>,
+    /// φ2 in whole points, if it is one: then r(θ + φ2) is a rotation of r.
+    whole_points: Option<usize>,
 }
 
 /// Reusable memory for separating successive revolutions.
@@ -190,7 +193,8 @@ impl Separator {
                 let here = Complex::new(re, im).inv() * scale;
                 kept.then(|| [here, here * Complex::new(cos, sin)])
             });
-            Method::Three { gain, multipliers: multipliers.collect(), whole_points: gain.slots().map(|[p, _]| p) }
+            let whole_points = gain.slots().map(|[p, _]| p);
+            Method::Three(ClosedForm { gain, multipliers: multipliers.collect(), whole_points })
         })
     }
 
@@ -300,21 +304,17 @@ impl Separator {
     /// # Errors
     /// As [`Separator::separate`].
     pub fn separate_in(&self, workspace: &mut Workspace, probes: &[&[f64]]) -> Result<Separation, ConfigError> {
+        let wrong_count = || ConfigError::new(Field::ProbeAngles, probes.len() as f64, "readings of every probe");
         if probes.len() != self.arrangement.probes() {
-            let needed = "readings of every probe";
-            return Err(ConfigError::new(Field::ProbeAngles, probes.len() as f64, needed));
+            return Err(wrong_count());
         }
         for (index, probe) in probes.iter().enumerate() {
             self.check(probe).map_err(|error| error.at(index))?;
         }
         match (&self.method, probes) {
-            (Method::Three { gain, multipliers, whole_points }, [h1, h2, h3]) => {
-                Ok(self.separate_three(workspace, [h1, h2, h3], (gain, multipliers, *whole_points)))
-            }
-            (Method::Three { gain, .. }, _) => {
-                Err(ConfigError::new(Field::Points, gain.points() as f64, "readings of three probes"))
-            }
             (Method::Places(method), _) => Ok(method.separate(self, workspace, probes)),
+            (Method::Three(form), [h1, h2, h3]) => Ok(self.separate_three(workspace, [h1, h2, h3], form)),
+            (Method::Three(_), _) => Err(wrong_count()),
         }
     }
 
@@ -322,7 +322,7 @@ impl Separator {
         &self,
         workspace: &mut Workspace,
         [h1, h2, h3]: [&[f64]; 3],
-        (gain, multipliers, whole_points): (&Gain, &[Option<[Complex<f64>; 2]>], Option<usize>),
+        ClosedForm { gain, multipliers, whole_points }: &ClosedForm,
     ) -> Separation {
         let (k2, k3) = (gain.k2(), gain.k3());
         for (sum, ((h1, h2), h3)) in workspace.real.iter_mut().zip(h1.iter().zip(h2).zip(h3)) {
@@ -334,7 +334,7 @@ impl Separator {
         self.synthesis(workspace, &mut profile, factors(0));
         match whole_points {
             Some(points) => {
-                let (before, from) = profile.split_at(points.min(profile.len()));
+                let (before, from) = profile.split_at(profile.len().min(*points));
                 let (ahead, behind) = workspace.ahead.split_at_mut(from.len());
                 ahead.copy_from_slice(from);
                 behind.copy_from_slice(before);
