@@ -19,7 +19,8 @@ Example:
   trueaxis roundness tests/reference/separation_probes.csv --n 64 \\
       --phi2-deg 66.1 --phi3-deg 125.4 --harmonics 2..12 --arm 60,300,30
   trueaxis roundness tests/reference/separation_five_probes.csv --n 64 \\
-      --angles-deg 0,39.2,101.3,158.9,243.3 --harmonics 2..12 --arm 60,300,30 --json";
+      --angles-deg 0,39.2,101.3,158.9,243.3 --harmonics 2..12 \\
+      --arm 60,300,30 --json";
 
 pub(crate) const HELP: &str = "\
 PROBES.csv has the columns h1_um,h2_um,h3_um and whole revolutions of N rows, equidistant in θ, the angle over the \
