@@ -96,12 +96,16 @@ pub(crate) fn run(arguments: &RoundnessArgs) -> Result<()> {
         report_line(format_args!("note: {note}"));
     }
     let separations = separate(&plan, &readings)?;
-    for warning in plan.warnings(&separations, &readings)? {
-        report_line(format_args!("warning: {warning}"));
-    }
     // Only the document and the page show circles, harmonics and motion.
     let evaluation =
         (arguments.json || arguments.report.is_some()).then(|| plan.evaluate(&separations, &readings)).transpose()?;
+    let warnings = match &evaluation {
+        Some(evaluation) => evaluation.document.warnings.clone(),
+        None => plan.warnings(&separations, &readings)?,
+    };
+    for warning in warnings {
+        report_line(format_args!("warning: {warning}"));
+    }
     let mut outputs = Outputs::of([&arguments.readings]);
     if let (Some(directory), Some(evaluation)) = (&arguments.report, &evaluation) {
         let figures = [("Profile", polar(evaluation, [true; 4]).render()), ("Spindle", orbit(evaluation).render())];

@@ -51,7 +51,7 @@ pub(super) fn noise(probes: &[Vec<f64>]) -> f64 {
     (probes.iter().map(|probe| variance(probe)).sum::<f64>() / probes.len().max(1) as f64).sqrt()
 }
 
-/// What four to six probes contradict one another by, beyond their noise.
+/// Reports four to six probes that disagree by more than their noise.
 pub(super) fn disagreement(agreement: &Agreement, noise: f64) -> Option<String> {
     let found = significant(agreement.noise, 2);
     if let Some(probe) = agreement.disagreeing {

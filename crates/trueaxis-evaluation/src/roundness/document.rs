@@ -31,7 +31,7 @@ pub struct RoundnessDocument {
     pub harmonics: Vec<HarmonicEntry>,
     /// Error motion of the spindle.
     pub spindle: Spindle,
-    /// What four to six probes contradict one another by.
+    /// How far four to six probes disagree.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub agreement: Option<AgreementEntry>,
     /// Doubtful findings.

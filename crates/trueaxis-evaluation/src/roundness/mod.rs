@@ -288,7 +288,7 @@ impl Plan {
         warnings
     }
 
-    /// What four to six probes contradict one another by.
+    /// How far four to six probes disagree.
     fn agreement(&self, readings: &Readings) -> Result<Option<Agreement>> {
         let probes: Vec<&[f64]> = readings.probes.iter().map(Vec::as_slice).collect();
         Ok(self.separator.agreement(&probes)?)

@@ -1,7 +1,7 @@
-//! What four to six probes contradict one another by.
+//! How far the readings of four to six probes disagree.
 
-use super::Separator;
-use super::least_squares::without_motion;
+use super::least_squares::{gains, without_motion};
+use super::{Arrangement, Separator};
 use crate::linear_fit::LinearFit;
 use crate::probe_places::ProbePlaces;
 use realfft::num_complex::Complex;
@@ -13,7 +13,7 @@ const BETTER: f64 = 2.0;
 /// And only if its share of the contradiction is this many standard deviations above that of noise.
 const CERTAIN: f64 = 5.0;
 
-/// What the redundant readings of a record contradict one another by, in the unit of the readings.
+/// How far the redundant readings of a record disagree, in the unit of the readings.
 ///
 /// Over the harmonics k of the profile, t = Nᵀ F{h} − g gᴴ Nᵀ F{h}/|g|² contains neither profile nor motion of the centre,
 /// only noise and what the probes do wrong; m − 3 values of each harmonic are independent.
@@ -24,7 +24,7 @@ pub struct Agreement {
     pub residual: Vec<f64>,
     /// Standard deviation of a reading's noise that would explain the contradiction.
     pub noise: f64,
-    /// The same without one of the probes, for each; `None` if the others are fewer than four or on one line.
+    /// The same with each probe left out in turn; `None` if fewer than four remain, or all that remain are on one line.
     pub noise_without: Vec<Option<f64>>,
     /// The probe, from 0, without which the others agree at least twice as well, if chance does not explain it.
     pub disagreeing: Option<usize>,
@@ -47,14 +47,14 @@ type Spectra = Vec<Vec<Complex<f64>>>;
 
 impl Separator {
     /// Compares the readings of four to six probes with one another: whole revolutions of N readings of each. Costs m transforms
-    /// a revolution, and a fit of 2 m − 2 unknowns. `None` with three probes, which contradict one another in no harmonic.
+    /// a revolution, and a fit of 2 m − 2 unknowns. `None` with three probes, whose readings any profile and motion
+    /// explain, and for readings of another number of probes.
     ///
     /// # Errors
-    /// Another number of probes, or readings that are not whole revolutions.
+    /// A probe with fewer readings than the first one.
     pub fn agreement(&self, probes: &[&[f64]]) -> Result<Option<Agreement>, ConfigError> {
-        let degrees = self.arrangement.degrees();
-        let Ok(places) = ProbePlaces::new(&degrees) else { return Ok(None) };
-        if degrees.len() < 4 || probes.len() != degrees.len() {
+        let Arrangement::Places(places) = &self.arrangement else { return Ok(None) };
+        if places.angles().len() < 4 || probes.len() != places.angles().len() {
             return Ok(None);
         }
         let revolutions = probes.first().map_or(0, |probe| probe.len() / self.points);
@@ -65,7 +65,7 @@ impl Separator {
                 probes.iter().map(|probe| Ok(of(probe)?.spectrum)).collect::<Result<_, ConfigError>>()
             })
             .collect::<Result<_, ConfigError>>()?;
-        Ok(self.compared(&places, &spectra))
+        Ok(self.compared(places, &spectra))
     }
 
     fn compared(&self, places: &ProbePlaces, spectra: &[Spectra]) -> Option<Agreement> {
@@ -164,7 +164,7 @@ struct Contradiction {
 }
 
 impl Contradiction {
-    /// Of the probes `kept`, which stand at `places`.
+    /// Compares the probes `kept`, which stand at `places`.
     fn of(places: &ProbePlaces, kept: &[usize], harmonics: &[usize], spectra: &[Spectra]) -> Contradiction {
         let columns = without_motion(places);
         let mut by_probe = std::vec![0.0; kept.len()];
@@ -199,10 +199,7 @@ struct Solved {
 
 impl<'c> Seen<'c> {
     fn of(places: &ProbePlaces, columns: &'c [Vec<f64>], k: usize) -> Seen<'c> {
-        let phases = || places.angles().iter().map(|angle| Complex::cis(k as f64 * angle));
-        let gain = |weights: &Vec<f64>| phases().zip(weights).map(|(phase, weight)| phase * *weight).sum();
-        let gains: Vec<Complex<f64>> = columns.iter().map(gain).collect();
-        let squares = gains.iter().map(Complex::norm_sqr).sum();
+        let (gains, squares) = gains(places, columns, k);
         Seen { columns, gains, squares }
     }
 
@@ -217,7 +214,7 @@ impl<'c> Seen<'c> {
         self.columns.iter().map(|weights| value * weights.get(probe).copied().unwrap_or_default()).collect()
     }
 
-    /// What is left of a vector without its part along the gains, and that part's factor.
+    /// Takes the part along the gains out of a vector; returns the rest and the factor of that part.
     fn left(&self, mut of: Vec<Complex<f64>>) -> (Vec<Complex<f64>>, Complex<f64>) {
         let along: Complex<f64> = self.gains.iter().zip(&of).map(|(gain, value)| gain.conj() * value).sum();
         let factor = if self.squares > 0.0 { along / self.squares } else { Complex::default() };

@@ -25,11 +25,7 @@ impl LeastSquares {
         let without_motion = without_motion(places);
         let phases = |k: usize| places.angles().iter().map(move |angle| Complex::cis(k as f64 * angle));
         let factors = (0..).zip(kept).map(|(k, kept)| {
-            let gains: Vec<Complex<f64>> = without_motion
-                .iter()
-                .map(|weights| phases(k).zip(weights).map(|(phase, weight)| phase * *weight).sum())
-                .collect();
-            let squares: f64 = gains.iter().map(Complex::norm_sqr).sum();
+            let (gains, squares) = gains(places, &without_motion, k);
             let mean = k == 0 && squares > SEES_MEAN * places.angles().len() as f64;
             let used = if *kept || mean { gains } else { Vec::new() };
             used.iter().map(|gain| gain.conj() / (squares * points as f64)).collect()
@@ -83,6 +79,15 @@ impl LeastSquares {
         let [x, y] = motion;
         Separation { profile, x, y }
     }
+}
+
+/// Gains g_l(k) of the columns of N, and the sum of their squares.
+pub(super) fn gains(places: &ProbePlaces, columns: &[Vec<f64>], k: usize) -> (Vec<Complex<f64>>, f64) {
+    let phases = || places.angles().iter().map(|angle| Complex::cis(k as f64 * angle));
+    let gain = |weights: &Vec<f64>| phases().zip(weights).map(|(phase, weight)| phase * *weight).sum();
+    let gains: Vec<Complex<f64>> = columns.iter().map(gain).collect();
+    let squares = gains.iter().map(Complex::norm_sqr).sum();
+    (gains, squares)
 }
 
 /// Weighted sum of the probes' readings.

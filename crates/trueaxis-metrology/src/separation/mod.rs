@@ -13,7 +13,7 @@
 //! Source: Tian Yingzhong and Li Ming, CN1927535; R_Y corrected: the published form does not solve h1 and h2.
 //!
 //! Four to six probes are separated by least squares over all readings ([`Separator::of_places`]), and [`Agreement`] tells
-//! what they contradict one another by.
+//! how far they disagree.
 
 mod agreement;
 mod least_squares;

@@ -264,7 +264,7 @@ fn noise_free_readings_of_four_to_six_probes_are_taken_apart() {
             let truth = Truth::new(points, points as u64);
             let places = ProbePlaces::new(degrees).unwrap();
             let separator = Separator::of_places(&places, points, BAND, NOISE_GAIN_LIMIT, ratio).unwrap();
-            // A part larger than the master: its size is no motion.
+            // The part is larger than the master; its size must not appear as motion.
             let probes: Vec<Vec<f64>> = degrees
                 .iter()
                 .map(|phi| truth.reading(phi.to_radians(), |theta| solved_arm(ratio, theta)))

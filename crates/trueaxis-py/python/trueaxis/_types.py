@@ -355,7 +355,7 @@ class Roundness(Result):
     spindle : Spindle
         Error motion of the spindle.
     agreement : AgreementEntry | None
-        What four to six probes contradict one another by.
+        How far four to six probes disagree.
     warnings : tuple[str, ...]
         Doubtful findings.
     profile_um : NDArray[np.float64]
