@@ -75,6 +75,9 @@ impl Flags {
     /// The reference lay outside its span and was clamped to the nearer end; if it was infinite or not a number, no error was
     /// measured.
     pub const REFERENCE: Flags = Flags(64);
+    /// The search continues in the next cycle. With [`Flags::NOT_FOUND`] it has no foot yet; otherwise the error is measured
+    /// from the best point of the path so far, not from the foot.
+    pub const SEARCHING: Flags = Flags(128);
 
     /// Whether all bits of `other` are set.
     pub const fn has(self, other: Flags) -> bool {
@@ -125,6 +128,11 @@ pub struct ContourError<R: Real> {
 }
 
 impl<R: Real> ContourError<R> {
+    /// No error measured yet.
+    pub(crate) fn searching() -> Self {
+        ContourError { flags: Flags::NOT_FOUND.and(Flags::COLD).and(Flags::SEARCHING), ..ContourError::none() }
+    }
+
     /// No error measured.
     pub fn none() -> Self {
         ContourError {

@@ -3,7 +3,7 @@
 use super::kernel::{Foot, foot};
 use super::legs::{Apart, Doubt};
 use super::refine::{Found, descend};
-use super::span::{OnPath, Path, Reference, dot};
+use super::span::{OnPath, Path, Reference, Span, dot};
 use super::way::{advance, sight, step, way, way_far, window};
 use super::{ContourError, Flags};
 use crate::error::{ConfigError, Field};
@@ -39,7 +39,7 @@ pub struct ContourState<R> {
     pub(super) warm: bool,
     /// State for a leg that lies beside the foot's.
     pub(super) doubt: Doubt<R>,
-    /// Number of samples taken in the cold search, and the best one.
+    /// Number of samples taken in the cold search and of cycles that descended since, and the best sample.
     pub(super) looked: u16,
     pub(super) best: Sample<R>,
     best_distance: R,
@@ -75,16 +75,16 @@ pub(super) const EVALUATIONS: u8 = 6;
 /// Most evaluations in a cycle of the published bisection.
 pub(super) const BISECTIONS: u8 = 60;
 /// Samples of a cold search over ±max_lag.
-const COLD_SAMPLES: u16 = 129;
+pub(super) const COLD_SAMPLES: u16 = 130;
 /// Samples from the reference backwards; the others run ahead of it.
 const COLD_BEHIND: u16 = 66;
 /// This fraction of a sample's lag is added to its distance at right angles: of two legs side by side, the one near the
 /// reference wins.
-const DOUBT_PER_LAG: f64 = 0.05;
-/// Samples of a cold search in one cycle.
-const COLD_PER_CYCLE: u16 = 3;
-/// Evaluations of the descent in a cycle that also takes cold samples.
-const COLD_DESCENT: u8 = 2;
+const DOUBT_PER_LAG: f64 = 0.1;
+/// Samples of a cold search in one cycle: they cost what the search from a known foot costs at worst.
+const COLD_PER_CYCLE: u16 = 13;
+/// Cycles after the last sample in which a cold search descends, before it starts over.
+pub(super) const COLD_DESCENTS: u16 = 6;
 
 impl<R: Real> ContourSearch<R> {
     /// `max_lag_mm`: half-window of a cold search, arc length.
@@ -242,6 +242,9 @@ impl<R: Real> ContourSearch<R> {
         reference: Reference<R>,
         point: &[P; 3],
     ) -> ContourError<R> {
+        if self.is_sampling(state, path, reference, |span| span.relative(point)) {
+            return ContourError::searching();
+        }
         let mut spent = 0;
         match self.seek(state, path, reference, point, &mut spent) {
             Some(found) => self.report_found(state, path, reference, &found, spent),
@@ -249,7 +252,8 @@ impl<R: Real> ContourSearch<R> {
         }
     }
 
-    /// [`slow`](Self::slow) without the report. `None` if the path has no span there; this resets the state.
+    /// [`slow`](Self::slow) without samples and without the report. `None` if the path has no span there; this resets the
+    /// state.
     #[inline(never)]
     pub(super) fn seek<P: Position>(
         &self,
@@ -263,25 +267,15 @@ impl<R: Real> ContourSearch<R> {
             *state = ContourState::default();
             return None;
         }
-        // After a jump of the reference beyond the limit of spans, no foot is known.
         let progress = self.progress(state, path, reference);
-        let mut start = if state.warm { advance(path, state.foot, progress).map(|moved| moved.to) } else { None };
-        if start.is_none_or(|start| path.span(start.span).is_none()) {
-            state.warm = false;
-            start = Some(reference);
-        }
-        let mut start = start.unwrap_or(reference);
-        let bisect = self.method == Method::Bisection;
-        if !state.warm {
-            self.look_around(state, path, reference, point, progress, spent);
-            start = state.best.at;
-        }
-        // A cycle that took samples only refines the best of them; the cycle after the last sample descends.
-        let sampled = *spent > 0;
+        let start = match state.warm {
+            true => advance(path, state.foot, progress).map(|moved| moved.to),
+            false => Some(state.best.at),
+        };
         let window = if state.warm { window(progress) } else { self.max_lag };
-        let budget = if sampled { COLD_DESCENT } else { EVALUATIONS };
-        let budget = if bisect { BISECTIONS } else { budget };
-        let Some(mut found) = descend(path, start, point, window, bisect, budget, spent) else {
+        let bisect = self.method == Method::Bisection;
+        let budget = if bisect { BISECTIONS } else { EVALUATIONS };
+        let Some(mut found) = start.and_then(|start| descend(path, start, point, window, bisect, budget, spent)) else {
             *state = ContourState::default();
             return None;
         };
@@ -289,15 +283,47 @@ impl<R: Real> ContourSearch<R> {
         if !state.warm {
             found.flags = found.flags.and(Flags::COLD);
         }
-        if state.warm && !bracketed {
+        // After the last sample, the search either has the foot or starts over.
+        state.warm = bracketed;
+        state.looked = 0;
+        Some(found)
+    }
+
+    /// Whether the search samples the path in this cycle: it knows no foot and has not taken all samples. Takes this cycle's.
+    #[inline(always)]
+    pub(super) fn is_sampling<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        point: impl Fn(&Span<R, P>) -> [R; 3],
+    ) -> bool {
+        let progress = self.progress(state, path, reference);
+        // After a jump of the reference beyond the limit of spans, no foot is known.
+        if state.warm && advance(path, state.foot, progress).is_none_or(|moved| path.span(moved.to.span).is_none()) {
             state.warm = false;
             state.looked = 0;
-        } else if !state.warm && !sampled {
-            // After the last sample, the search either has the foot or starts over.
-            state.warm = bracketed;
-            state.looked = 0;
         }
-        Some(found)
+        if state.warm || path.span(reference.span).is_none() {
+            return false;
+        }
+        let sampling = state.looked < COLD_SAMPLES;
+        if state.looked == 0 {
+            state.best_distance = R::MAX;
+            state.doubt = Doubt::none();
+            state.best = Sample { at: reference, lag: R::ZERO };
+            state.sample = state.best;
+        } else {
+            state.best = state.best.follow(path, reference, progress);
+        }
+        if sampling {
+            if state.looked > 0 {
+                state.sample = state.sample.follow(path, reference, progress);
+            }
+            self.look_around(state, path, reference, point);
+        }
+        state.reference = reference;
+        sampling
     }
 
     /// Motion of the reference since the last cycle; resets the state if it has jumped beyond the limit of spans.
@@ -317,41 +343,24 @@ impl<R: Real> ContourSearch<R> {
         })
     }
 
-    /// Takes a few samples of the path around the reference, first behind it, then ahead, and keeps the nearest. Takes none in
-    /// the cycle after the last sample, which leaves its evaluations to the descent.
+    /// Takes a few samples of the path around the reference, first behind it, then ahead, and keeps the nearest.
     #[inline(never)]
-    pub(super) fn look_around<P: Position>(
+    fn look_around<P: Position>(
         &self,
         state: &mut ContourState<R>,
         path: &Path<'_, R, P>,
         reference: Reference<R>,
-        point: &[P; 3],
-        progress: R,
-        spent: &mut u8,
+        point: impl Fn(&Span<R, P>) -> [R; 3],
     ) {
-        if state.looked == 0 {
-            state.best_distance = R::MAX;
-            state.doubt = Doubt::none();
-            state.best = Sample { at: reference, lag: R::ZERO };
-            state.sample = state.best;
-        } else {
-            state.best = state.best.follow(path, reference, progress);
-            state.sample = state.sample.follow(path, reference, progress);
-        }
-        if state.looked > COLD_SAMPLES - COLD_PER_CYCLE {
-            state.looked = COLD_SAMPLES;
-            return;
-        }
-        let spacing = self.max_lag * R::of(2.0 / f64::from(COLD_SAMPLES - COLD_PER_CYCLE));
+        let spacing = self.max_lag * R::of(2.0 / f64::from(COLD_SAMPLES - 4));
         for _ in 0..COLD_PER_CYCLE {
             if state.looked == COLD_BEHIND {
                 state.sample = Sample { at: reference, lag: R::ZERO }.step(path, spacing);
             }
             let Sample { at, lag } = state.sample;
             if let Some(span) = path.span(at.span) {
-                let ([x, y, z], [px, py, pz]) = (span.local(at.t), span.relative(point));
+                let ([x, y, z], [px, py, pz]) = (span.local(at.t), point(span));
                 let off = [x - px, y - py, z - pz];
-                *spent = spent.saturating_add(1);
                 let doubtful = R::of(DOUBT_PER_LAG) * lag;
                 let distance = dot(&off, &off) + doubtful * doubtful;
                 if distance < state.best_distance {

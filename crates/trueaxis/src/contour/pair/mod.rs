@@ -30,6 +30,10 @@ pub struct PairState<R> {
     along: Tangent<R>,
     /// Whether the foot can be followed.
     swift: bool,
+    /// Whether it is a corner.
+    at_corner: bool,
+    /// Consecutive cycles without a foot.
+    unsettled: u8,
 }
 
 impl<R: Real> ContourSearch<R> {

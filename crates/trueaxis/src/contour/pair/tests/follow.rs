@@ -133,5 +133,6 @@ fn on_tiny_spans_a_cycle_looks_at_few_of_them() {
         }
     }
     assert!(most <= 100, "{most} spans looked up in a cycle");
-    assert!(measured == 2 * share(40_000) as u32, "{measured}");
+    // After a leap beyond the limit of spans the search samples the path for ten cycles.
+    assert!(measured > 9 * share(40_000) as u32 * 2 / 10, "{measured}");
 }
