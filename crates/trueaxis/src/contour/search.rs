@@ -4,7 +4,7 @@ use super::kernel::{Foot, foot};
 use super::legs::{Apart, Doubt};
 use super::refine::{Found, descend};
 use super::span::{OnPath, Path, Reference, Span, dot};
-use super::way::{advance, sight, step, way, way_far, window};
+use super::way::{advance, sight, way, way_far, window};
 use super::{ContourError, Flags};
 use crate::error::{ConfigError, Field};
 use crate::position::Position;
@@ -63,11 +63,6 @@ impl<R: Real> Sample<R> {
             None => Sample { at: reference, lag: R::ZERO },
         }
     }
-
-    /// The next sample, `by` further along the path.
-    fn step<P: Position>(&self, path: &Path<'_, R, P>, by: R) -> Self {
-        step(path, self.at, by).map_or(*self, |moved| Sample { at: moved.to, lag: self.lag - moved.by })
-    }
 }
 
 /// Most evaluations of the path in a cycle.
@@ -76,13 +71,15 @@ pub(super) const EVALUATIONS: u8 = 6;
 pub(super) const BISECTIONS: u8 = 60;
 /// Samples of a cold search over ±max_lag.
 pub(super) const COLD_SAMPLES: u16 = 130;
-/// Samples from the reference backwards; the others run ahead of it.
+/// Samples from the reference backwards; after a step from there, the others run ahead of it.
 const COLD_BEHIND: u16 = 66;
 /// This fraction of a sample's lag is added to its distance at right angles: of two legs side by side, the one near the
 /// reference wins.
 const DOUBT_PER_LAG: f64 = 0.1;
 /// Samples of a cold search in one cycle: they cost what the search from a known foot costs at worst.
-const COLD_PER_CYCLE: u16 = 13;
+const COLD_PER_CYCLE: u16 = 10;
+/// Most spans between two samples.
+const HOPS: u8 = 3;
 /// Cycles after the last sample in which a cold search descends, before it starts over.
 pub(super) const COLD_DESCENTS: u16 = 6;
 
@@ -98,7 +95,8 @@ impl<R: Real> ContourSearch<R> {
 
     /// Contour error of `point` (mm) in this cycle; `reference` is the interpolator's position on the path.
     ///
-    /// Uses at most six evaluations of the path. Cost: usually the kernel's; at worst some three times that.
+    /// Uses at most six evaluations of the path. With no foot known it samples the path over thirteen cycles and measures no
+    /// error meanwhile ([`Flags::SEARCHING`]). Cost: usually the kernel's; at worst some three times that.
     ///
     /// A reference outside its span is clamped to the nearer end and flagged ([`Flags::REFERENCE`]); if it is infinite or not
     /// a number, no error is measured.
@@ -353,24 +351,41 @@ impl<R: Real> ContourSearch<R> {
         point: impl Fn(&Span<R, P>) -> [R; 3],
     ) {
         let spacing = self.max_lag * R::of(2.0 / f64::from(COLD_SAMPLES - 4));
-        for _ in 0..COLD_PER_CYCLE {
-            if state.looked == COLD_BEHIND {
-                state.sample = Sample { at: reference, lag: R::ZERO }.step(path, spacing);
-            }
-            let Sample { at, lag } = state.sample;
-            if let Some(span) = path.span(at.span) {
-                let ([x, y, z], [px, py, pz]) = (span.local(at.t), point(span));
-                let off = [x - px, y - py, z - pz];
-                let doubtful = R::of(DOUBT_PER_LAG) * lag;
+        let first = state.looked;
+        state.looked += COLD_PER_CYCLE;
+        let mut sample = state.sample;
+        let Some(mut span) = path.span(sample.at.span) else { return };
+        let mut local = point(span);
+        // At most COLD_PER_CYCLE rounds. Only with sampling.
+        for number in first..first + COLD_PER_CYCLE {
+            let mut by = if number < COLD_BEHIND { -spacing } else { spacing };
+            if number == COLD_BEHIND {
+                sample = Sample { at: reference, lag: R::ZERO };
+                let Some(home) = path.span(reference.span) else { return };
+                (span, local) = (home, point(home));
+            } else {
+                let [x, y, z] = span.local(sample.at.t);
+                let off = [x - local[0], y - local[1], z - local[2]];
+                let doubtful = R::of(DOUBT_PER_LAG) * sample.lag;
                 let distance = dot(&off, &off) + doubtful * doubtful;
                 if distance < state.best_distance {
-                    (state.best_distance, state.best) = (distance, state.sample);
+                    (state.best_distance, state.best) = (distance, sample);
                 }
             }
-            let onwards = if state.looked < COLD_BEHIND { -spacing } else { spacing };
-            state.sample = state.sample.step(path, onwards);
-            state.looked = state.looked.saturating_add(1);
+            let (t, begin) = (sample.at.t, span.arc_length(sample.at.t));
+            let to = t + by / span.arc_speed(t);
+            if to.is_in_unit() {
+                sample = Sample { at: Reference { t: to, ..sample.at }, lag: sample.lag + begin - span.arc_length(to) };
+                continue;
+            }
+            let end = if by > R::ZERO { span.length() } else { R::ZERO };
+            let left = end - begin;
+            sample.lag -= left;
+            by -= left;
+            (sample, span) = hop(path, sample, span, by);
+            local = point(span);
         }
+        state.sample = sample;
     }
 
     /// Like [`report`](Self::report), out of line, for a foot whose distance is not known yet.
@@ -408,6 +423,40 @@ impl<R: Real> ContourSearch<R> {
         }
         components(path, found, error, lag, evaluations)
     }
+}
+
+/// The sample `by` beyond the border that a sample has reached, over at most three spans; at an end of the path, the end.
+#[inline(always)]
+fn hop<'s, R: Real, P: Position>(
+    path: &Path<'s, R, P>,
+    mut sample: Sample<R>,
+    mut span: &'s Span<R, P>,
+    mut by: R,
+) -> (Sample<R>, &'s Span<R, P>) {
+    let ahead = by > R::ZERO;
+    // At most HOPS rounds.
+    for _ in 0..HOPS {
+        let next = if ahead { path.following(sample.at.span) } else { path.preceding(sample.at.span) };
+        let Some((number, there)) = next.and_then(|number| Some((number, path.span(number)?))) else {
+            sample.at.t = if ahead { R::ONE } else { R::ZERO };
+            break;
+        };
+        span = there;
+        sample.at = Reference { span: number, t: if ahead { R::ZERO } else { R::ONE } };
+        let length = there.length();
+        if by.abs() < length {
+            let to = sample.at.t + by / there.arc_speed(sample.at.t);
+            let to = to.limit(R::ZERO, R::ONE);
+            let passed = if ahead { there.arc_length(to) } else { there.arc_length(to) - length };
+            sample = Sample { at: Reference { t: to, ..sample.at }, lag: sample.lag - passed };
+            break;
+        }
+        let passed = if ahead { length } else { -length };
+        sample.at.t = R::ONE - sample.at.t;
+        sample.lag -= passed;
+        by -= passed;
+    }
+    (sample, span)
 }
 
 /// Splits the vector at a foot into its signed components.

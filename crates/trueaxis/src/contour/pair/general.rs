@@ -79,13 +79,20 @@ struct Sampled<'s, R, P> {
     place: Reference<R>,
 }
 
-/// Result of one of Newton's steps.
-struct Stepped<R> {
-    found: Found<R>,
-    /// Whether what it leaves is rounding.
-    exact: bool,
-    /// Parameter of a better guess, by a step of second order.
-    guess: R,
+/// One of Newton's steps from a sample.
+struct Step<R> {
+    by: R,
+    /// Parameter it leads to.
+    to: R,
+    /// u: half the relative change of the slope.
+    u: R,
+}
+
+impl<R: Real> Step<R> {
+    /// Parameter that a step of second order leads to.
+    fn guess(&self) -> R {
+        (self.to - self.u * (self.by * self.by)).limit(R::ZERO, R::ONE)
+    }
 }
 
 impl<R: Real, P: Position> Sampled<'_, R, P> {
@@ -99,33 +106,36 @@ impl<R: Real, P: Position> Sampled<'_, R, P> {
     }
 
     /// Newton's step to the minimum of that point's distance; `None` if it leads off the span or there is no minimum near.
-    fn newton(&self, d: &[R; 3]) -> Option<Stepped<R>> {
-        let (e, mut found) = (&self.e, self.at(d, Flags::BRACKETED));
+    fn step(&self, d: &[R; 3]) -> Option<Step<R>> {
+        let e = &self.e;
         let curved = dot(d, &e.bend);
         let slope = e.slope + (curved + curved);
-        let step = -(dot(&found.vector, &e.tangent) / slope);
-        found.place.t += step;
-        if !(slope > R::of(0.25) * e.straight && found.place.t.is_in_unit()) {
-            return None;
-        }
-        for k in 0..3 {
-            found.vector[k] += step * (e.tangent[k] + step * e.bend[k]);
-            found.tangent[k] += R::TWO * (step * e.bend[k]);
-        }
-        // On a straight span at constant speed nothing is left of the first step.
-        let bend = dot(&e.bend, &e.bend);
-        let steady = self.span.form() == Form::Cubic && self.span.coefficients[2..4] == [[R::ZERO; 4]; 2];
-        let u = R::THREE * dot(&e.tangent, &e.bend) / slope;
-        let change = if steady { R::ZERO } else { u.abs() + change_of_u() };
-        let error = dot(&found.vector, &found.vector).root();
-        let exact = bend < R::of(4.0) * e.straight && leaves_nothing(step, error, change, e.straight);
-        let guess = (found.place.t - u * (step * step)).limit(R::ZERO, R::ONE);
-        Some(Stepped { found, exact, guess })
+        let inverse = R::ONE / slope;
+        let by = -((e.g + dot(d, &e.tangent)) * inverse);
+        let to = self.place.t + by;
+        let u = R::THREE * dot(&e.tangent, &e.bend) * inverse;
+        (slope > R::of(0.25) * e.straight && to.is_in_unit()).then_some(Step { by, to, u })
     }
 
     /// The foot of that point, if one step leads exactly to it.
+    #[inline(never)]
     fn exact(&self, d: &[R; 3]) -> Option<Found<R>> {
-        self.newton(d).filter(|step| step.exact).map(|step| step.found)
+        let e = &self.e;
+        let Step { by, to, u } = self.step(d)?;
+        let mut vector = [R::ZERO; 3];
+        for (k, vector) in vector.iter_mut().enumerate() {
+            *vector = (e.vector[k] + d[k]) + by * (e.tangent[k] + by * e.bend[k]);
+        }
+        // On a straight span at constant speed nothing is left of the first step.
+        let steady = self.span.form() == Form::Cubic && self.span.coefficients[2..4] == [[R::ZERO; 4]; 2];
+        let change = if steady { R::ZERO } else { u.abs() + change_of_u() };
+        let error = dot(&vector, &vector).root();
+        if !(dot(&e.bend, &e.bend) < R::of(4.0) * e.straight && leaves_nothing(by, error, change, e.straight)) {
+            return None;
+        }
+        let tangent = core::array::from_fn(|k| e.tangent[k] + R::TWO * (by * e.bend[k]));
+        let place = Reference { t: to, ..self.place };
+        Some(Found { place, vector, tangent, width: R::ZERO, flags: Flags::BRACKETED, downhill: false })
     }
 }
 
@@ -453,7 +463,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         if !uphill[0] {
             self.look_inside(found, side, &entered, outside[0]);
         } else if !uphill[1] && self.left > 0 {
-            let guess = entered.newton(self.d).map_or_else(|| side.enter(past), |step| step.guess);
+            let guess = entered.step(self.d).map_or_else(|| side.enter(past), |step| step.guess());
             let other = self.evaluate(side, guess).exact(self.d);
             keep_nearer(&mut found.encoder, &other);
         }
@@ -463,15 +473,15 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
     fn look_inside(&mut self, found: &mut Feet<R>, side: &Side<'_, R, P>, entered: &Sampled<'_, R, P>, outside: bool) {
         let still = [R::ZERO; 3];
         let (mut near, mut second) = (entered.at(&still, Flags::default()), None);
-        if let (Some(step), true) = (entered.newton(&still), self.left > 0) {
-            let sampled = self.evaluate(side, step.guess);
-            match sampled.newton(&still) {
-                Some(step) if step.exact => second = Some((step.found, sampled.exact(self.d))),
-                _ => near = sampled.at(&still, Flags::default()),
+        if let (Some(step), true) = (entered.step(&still), self.left > 0) {
+            let sampled = self.evaluate(side, step.guess());
+            match sampled.exact(&still) {
+                Some(tip) => second = Some(Feet { tip: Some(tip), encoder: sampled.exact(self.d) }),
+                None => near = sampled.at(&still, Flags::default()),
             }
         }
         match second {
-            Some((tip, encoder)) => self.keep_meant(found, Feet { tip: Some(tip), encoder }, side.forward),
+            Some(second) => self.keep_meant(found, &second, side.forward),
             None if outside => found.tip = Some(near),
             None => {
                 let Some(one) = &mut found.tip else { return };
@@ -481,7 +491,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
     }
 
     /// Keeps the nearer feet from both sides of a border, or those of the intended leg.
-    fn keep_meant(&mut self, found: &mut Feet<R>, second: Feet<R>, forward: bool) {
+    fn keep_meant(&mut self, found: &mut Feet<R>, second: &Feet<R>, forward: bool) {
         let meant = match (&found.tip, &second.tip) {
             (Some(one), Some(other)) => self.doubt.at_border(self.on, self.window, self.max_lag, (one, other), forward),
             _ => None,
