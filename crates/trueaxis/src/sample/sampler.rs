@@ -455,6 +455,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         let active = input.homed && input.enable;
         let memory =
             state.feedback.iter_mut().zip(&mut state.missing).zip(&mut state.suspicions).zip(state.ratios.axes());
+        // At most N rounds: an axis each.
         for (((axis, reading), command), (((good, missing), suspicion), ratio)) in
             self.axes.iter().zip(&input.feedback).zip(command).zip(memory)
         {
