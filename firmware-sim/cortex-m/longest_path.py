@@ -45,7 +45,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 import memory_calls  # noqa: E402
-from stated import Sources, frames  # noqa: E402
+from stated import Frames, Sources  # noqa: E402
 from thumb import RETURN, Program, Refused  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -56,8 +56,8 @@ LIBRARY = {
     # Long division of 64 bits by 32 or 64: at most 32 bits of the quotient one by one, four in a round.
     "compiler_builtins::int::specialized_div_rem::u64_div_rem": 8,
 }
-# Sweeps over the prices, and steps of each search.
-SWEEPS, STEPS = 3, 12
+# Sweeps over the prices.
+SWEEPS = 4
 
 
 # Instructions of calls that are run instead of searched.
@@ -207,16 +207,10 @@ class Plan:
 class Paths:
     """Longest paths of the functions of a program without some parts."""
 
-    def __init__(self, program, sources, without, stacks):
-        self.program, self.sources, self.without, self.stacks = program, sources, frozenset(without), stacks
+    def __init__(self, program, sources, without, known):
+        self.program, self.sources, self.without, self.frames = program, sources, frozenset(without), known
         self.plans, self.missing, self.limits = {}, {}, {}
         self._above = []
-
-    def frames_of(self, function):
-        """Frames of every instruction."""
-        if function.address not in self.stacks:
-            self.stacks[function.address] = frames(self.program.elf.path, sorted(function.instructions), self.sources)
-        return self.stacks[function.address]
 
     def plan(self, function):
         """The function's plan, after those of all that it calls; None if no path through it ends."""
@@ -228,11 +222,11 @@ class Paths:
         plan, blocks = Plan(function), self.program.graph(function)
         todo = [function.address]
         while todo:
-            if (at := todo.pop()) in plan.blocks or self.is_left_out(function, blocks[at]):
+            if (at := todo.pop()) in plan.blocks or self.is_left_out(blocks[at]):
                 continue
             block = blocks[at]
-            calls = [self.called(function, block, place, callee) for place, callee in block.calls]
-            if None in calls:
+            calls = [(self.called(function, block, place, callee), skips) for place, callee, skips in block.calls]
+            if (None, False) in calls:
                 continue
             goes = {}
             for target in block.goes:
@@ -267,10 +261,9 @@ class Paths:
             for target in [t for t, tail in goes.items() if not tail and t != RETURN and t not in good]:
                 del goes[target]
 
-    def is_left_out(self, function, block):
+    def is_left_out(self, block):
         """Whether all of a block is code of a part that is left out."""
-        known = self.frames_of(function)
-        stacks = [stack for i in block.instructions if (stack := known[i.address]) and stack[-1].line]
+        stacks = [stack for i in block.instructions if (stack := self.frames.at(i.address)) and stack[-1].line]
         return bool(stacks) and all(self.sources.only(stack) & self.without for stack in stacks)
 
     def called(self, function, block, place, address):
@@ -290,22 +283,40 @@ class Paths:
         """Finds the loops of a plan, their rounds, and what a call takes."""
         function, blocks = plan.function, self.program.graph(plan.function)
         edges = {at: [RETURN if tail else target for target, tail in goes.items()] for at, (_, _, goes) in plan.blocks.items()}
-        known = self.frames_of(function)
         headers = loops(edges, order(edges, function.address), function.name)
+        places = {}
         for header, inside in headers.items():
-            place = self.sources.place([known[i.address] for at in inside for i in blocks[at].instructions])
-            rounds = self.sources.rounds(place, self.without) if place else LIBRARY.get(function.name)
-            where = f"{place[0]}:{place[1]}" if place else function.name
-            if rounds is None:
-                self.missing.setdefault(where, []).append(f"{function.name} at {header:#x}")
-            plan.loops.append((header, inside, rounds or 1, where))
-        plan.takes = self.sources.takes(known[function.address])
+            places[header] = self.sources.place([self.frames.at(i.address) for at in inside for i in blocks[at].instructions])
+        for header, inside in headers.items():
+            within = [places[other] for other, larger in headers.items() if other != header and header in larger]
+            rounds = self.rounds(function, header, places[header], [place for place in within if place])
+            plan.loops.append((header, inside, rounds, places[header].text if places[header] else function.name))
+        plan.takes = self.sources.takes(self.frames.at(function.address))
         if plan.takes:
             number, most, name = plan.takes
             if self.limits.setdefault(name, most) != most:
                 raise Refused(f"{function.name}: found at most {most} {name} in one step, and {self.limits[name]} elsewhere")
             if function.address in headers:
                 plan.takes = None
+
+    def rounds(self, function, header, place, within):
+        """Rounds of a loop at a place, inside loops at others."""
+        here = f"{function.name} at {header:#x}"
+        if place is None:
+            if function.name not in LIBRARY:
+                self.missing.setdefault(function.name, []).append(here)
+            return LIBRARY.get(function.name, 1)
+        if place.is_loop and any(place.at == other.at for other in within):
+            raise Refused(f"{place.text}: found two loops in each other that are one in the source ({here})")
+        # A loop of the source around this one that has no loop of its own: it was unrolled, or it is this one, and the inner
+        # one was unrolled.
+        hidden = [at for at in place.outer if all(at != other.at for other in within)]
+        found = []
+        for path, line in [place.at, *hidden]:
+            found.append(self.sources.rounds((path, line), self.without))
+            if found[-1] is None:
+                self.missing.setdefault(f"{path}:{line}", []).append(here)
+        return max((one for one in found if one), default=1)
 
     def solved(self, function, prices):
         """The longest path with a price for every take."""
@@ -325,13 +336,12 @@ class Paths:
         parts = [(1, at)]
         if plan.takes and at == plan.function.address:
             weight -= plan.takes[0] * prices.get(plan.takes[2], 0)
-        for call in calls:
-            edge = Edge(call, []) if isinstance(call, int) else known[call]
-            if isinstance(call, int):
-                parts.append((call, FIXED))
-            else:
+        for call, skips in calls:
+            edge = Edge(call, [(call, FIXED)]) if isinstance(call, int) else known.get(call)
+            # A condition may skip the call.
+            if edge and (edge.weight > 0 or not skips):
                 parts.append((1, edge))
-            weight += edge.weight
+                weight += edge.weight
         out = {}
         for target, tail in goes.items():
             if tail:
@@ -343,9 +353,22 @@ class Paths:
                 out[target] = Edge(weight, parts)
         return out
 
+    def taken(self, edge):
+        """What a path takes, by name."""
+        times, found = Counter(), Counter()
+        edge.count(times)
+        for plan in filter(None, self.plans.values()):
+            if plan.takes:
+                found[plan.takes[2]] += plan.takes[0] * times[plan.function.address]
+        return found
+
     def least(self, function):
-        """The least bound that prices give, and the path of it."""
-        prices = dict.fromkeys(self.limits, 0)
+        """The least bound that prices give, and the path of it.
+
+        The bound is convex in every price, and falls as long as the path takes more than is stated: that is bisected, one
+        price after the other, until no price lowers it further.
+        """
+        prices, best = dict.fromkeys(self.limits, 0), None
 
         def bound():
             edge = self.solved(function, prices)
@@ -353,26 +376,21 @@ class Paths:
 
         best = bound()
         for _ in range(SWEEPS if prices else 0):
-            for name in prices:
-                low, high = 0, max(64, 4 * prices[name], best[0] // self.limits[name])
-                for _ in range(STEPS):
-                    third = (high - low) // 3
-                    tried = []
-                    for price in (low + third, high - third):
-                        prices[name] = price
-                        tried.append((bound(), price))
-                    if tried[0][0][0] <= tried[1][0][0]:
-                        high = tried[1][1]
+            before = best[0]
+            for name, most in self.limits.items():
+                low, high, kept = -1, best[0], prices[name]
+                while high - low > 1:
+                    prices[name] = (low + high) // 2
+                    found = bound()
+                    if found[0] < best[0]:
+                        best, kept = found, prices[name]
+                    if self.taken(found[1])[name] > most:
+                        low = prices[name]
                     else:
-                        low = tried[0][1]
-                    if third < 1:
-                        break
-                prices[name] = min(tried, key=lambda one: one[0][0])[1]
-            found = bound()
-            if found[0] >= best[0]:
-                best = min(best, found, key=lambda one: one[0])
+                        high = prices[name]
+                prices[name] = kept
+            if best[0] == before:
                 break
-            best = found
         return best
 
 
@@ -429,7 +447,7 @@ class Trace:
             here = self.program.graph(function)
             if function.address not in blocks:
                 blocks[function.address] = {i.address: b for b in here.values() for i in b.instructions}
-                calls |= {place: callee for b in here.values() for place, callee in b.calls}
+                calls |= {place: (callee, skips) for b in here.values() for place, callee, skips in b.calls}
             block = blocks[function.address].get(at)
             if block is None:
                 self.wrong(at, "no instruction of a block")
@@ -441,8 +459,9 @@ class Trace:
             if number + 1 == len(addresses):
                 break
             after = addresses[number + 1]
-            if at in calls:
-                if after != calls[at]:
+            callee, skips = calls.get(at, (None, False))
+            if callee is not None and not (skips and after != callee):
+                if after != callee:
                     self.wrong(at, f"a call goes to {after:#x}")
                 self.enter(after, (following, now))
                 now = None
@@ -463,18 +482,17 @@ class Trace:
 
 def sought(program, sources, function, without):
     """The bound with all alternatives that the source states: bound, path, paths."""
-    stacks, pairs = {}, None
+    known = Frames(program.elf.path, sources)
     best, todo = None, [frozenset(without)]
     while todo:
         chosen = todo.pop()
-        paths = Paths(program, sources, chosen, stacks)
+        paths = Paths(program, sources, chosen, known)
         if paths.plan(function) is None:
             raise Refused(f"{function.name}: found no path to an end")
         if paths.missing:
             lines = [f"{where}: found a loop without a bound ({'; '.join(at)})" for where, at in sorted(paths.missing.items())]
             raise Refused("needed `// At most N rounds.` for\n" + "\n".join(lines))
-        pairs = sources.never_both()
-        met = next((pair for pair in pairs if not set(pair) & chosen), None)
+        met = next((pair for pair in sources.never_both() if not set(pair) & chosen), None)
         if met:
             todo += [chosen | {one} for one in met]
             continue
@@ -484,7 +502,7 @@ def sought(program, sources, function, without):
     return best
 
 
-def report(best, options):
+def report(best):
     """What the bound is made of."""
     bound, edge, paths = best
     times, instructions, lines = Counter(), Counter(), Counter()
@@ -496,10 +514,15 @@ def report(best, options):
         function = paths.program.holding(at)
         for i in function.blocks[at].instructions:
             instructions[function.name] += number
-            own = [frame for frame in paths.frames_of(function)[i.address] if frame.path]
+            own = [frame for frame in paths.frames.at(i.address) if frame.path]
             lines[f"{own[-1].path}:{paths.sources.file(own[-1].path).function_line(own[-1].line)}" if own else "?"] += number
+    callers = Counter()
+    for at, number in times.items():
+        for _, callee, _ in paths.program.holding(at).blocks[at].calls if at != FIXED else ():
+            callers[paths.program.holding(at).name, paths.program.functions[callee].name] += number
     calls = {paths.program.holding(at).name: n for at, n in times.items() if at in paths.program.functions}
-    rounds = [(where, n, header, plan.function.name) for plan in paths.plans.values() if plan for header, _, n, where in plan.loops]
+    plans = filter(None, paths.plans.values())
+    rounds = [(where, n, header, plan.function.name) for plan in plans for header, _, n, where in plan.loops]
     return {
         "bound": bound,
         "path": sum(instructions.values()),
@@ -507,6 +530,7 @@ def report(best, options):
         "limits": paths.limits,
         "functions": [{"function": n, "calls": calls.get(n), "instructions": k} for n, k in instructions.most_common()],
         "source": [{"function": n, "instructions": k} for n, k in lines.most_common()],
+        "calls": [{"from": a, "to": b, "times": n} for (a, b), n in callers.most_common()],
         "loops": [{"at": w, "rounds": n, "address": hex(h), "function": f} for w, n, h, f in sorted(rounds)],
     }
 
@@ -522,6 +546,9 @@ def show(found, options):
     if options.lines:
         for one in found["source"]:
             print(f"{one['instructions']:12}  {one['function']}")
+    if options.calls:
+        for one in found["calls"]:
+            print(f"{one['times']:5} calls  {one['to']}  from {one['from']}")
     if options.loops:
         for one in found["loops"]:
             print(f"{one['rounds']:5} rounds  {one['at']}  {one['address']} in {one['function']}")
@@ -540,6 +567,7 @@ def main():
     parser.add_argument("--trace", action="append", default=[], metavar="FILE")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--lines", action="store_true", help="also by functions of the source, inlined ones apart")
+    parser.add_argument("--calls", action="store_true", help="also the calls of the path")
     parser.add_argument("--loops", action="store_true", help="also the rounds of all loops")
     options = parser.parse_args()
     given = {name: int(number) for name, number in (one.split("=") for one in options.let)}
@@ -547,7 +575,7 @@ def main():
     sources = Sources(options.root, given, Path(options.elf).stat().st_mtime)
     function = program.named(options.function)
     best = sought(program, sources, function, options.without)
-    found = report(best, options)
+    found = report(best)
     found["traces"] = []
     for file in options.trace:
         trace = Trace(best[2], function)

@@ -130,7 +130,9 @@ class _Run:
         pending = []
         while self.count < MOST:
             at = self.registers["pc"]
-            instruction = self.program.holding(at).instructions[at]
+            function = self.program.holding(at)
+            self.program.graph(function)
+            instruction = function.instructions[at]
             self.registers["pc"] = at + instruction.length
             self.count += 1
             name = instruction.name

@@ -30,19 +30,37 @@ class Frame:
         return self.function, self.path, self.line, self.column
 
 
-def frames(elf, addresses, sources):
-    """Address to frames, the outermost first; a path is that of a file of the repository, or None."""
-    command = ["llvm-symbolizer", f"--obj={elf}", "--functions=linkage", "--demangle", "--inlines"]
-    asked = "".join(f"{address:#x}\n" for address in addresses)
-    answer = subprocess.run(command, input=asked, capture_output=True, text=True, check=True).stdout
-    found = {}
-    for address, block in zip(addresses, answer.split("\n\n")):
-        lines, stack = block.strip().splitlines(), []
-        for function, place in zip(lines[::2], lines[1::2]):
-            path, line, column = place.rsplit(":", 2)
-            stack.append(Frame(re.sub(r"::h[0-9a-f]{16}$", "", function), sources.own(path), int(line), int(column)))
-        found[address] = stack[::-1]
-    return found
+class Frames:
+    """Frames of the instructions of a program, from its line table."""
+
+    def __init__(self, elf, sources):
+        command = ["llvm-symbolizer", f"--obj={elf}", "--functions=linkage", "--demangle", "--inlines"]
+        self._asked = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self._sources, self._known = sources, {}
+
+    def at(self, address):
+        """Frames of an address, the outermost first."""
+        if address not in self._known:
+            self._asked.stdin.write(f"{address:#x}\n")
+            self._asked.stdin.flush()
+            lines = []
+            while line := self._asked.stdout.readline().strip():
+                lines.append(line)
+            stack = []
+            for function, place in zip(lines[::2], lines[1::2]):
+                path, line, column = place.rsplit(":", 2)
+                function = re.sub(r"::h[0-9a-f]{16}$", "", function)
+                stack.append(Frame(function, self._sources.own(path), int(line), int(column)))
+            self._known[address] = stack[::-1]
+        return self._known[address]
+
+
+class Place:
+    """Where a loop is: path and line, whether it is a loop of the text, and the loops of the text around it."""
+
+    def __init__(self, path, line, is_loop, outer):
+        self.at, self.is_loop, self.outer = (path, line), is_loop, outer
+        self.text = f"{path}:{line}"
 
 
 class Source:
@@ -104,10 +122,10 @@ class Source:
         around = [extent for extent in self.functions if extent[0] <= line <= extent[1]]
         return max(around, default=None)
 
-    def loop(self, first, last):
-        """First line of the innermost loop with both lines."""
-        around = [extent for extent in self.loops if extent[0] <= first and last <= extent[1]]
-        return max(around)[0] if around else None
+    def around(self, first, last):
+        """First lines of the loops with both lines, in their function, the innermost last."""
+        begin = (self.function(first) or (0, 0))[0]
+        return [extent[0] for extent in self.loops if begin <= extent[0] <= first and last <= extent[1]]
 
     def value(self, name, given, path, line):
         """A number, or a constant of this file, or of the command line."""
@@ -164,26 +182,32 @@ class Sources:
         return path if not path.startswith("/") and (Path(self.root) / path).is_file() else None
 
     def place(self, stacks):
-        """Where the loop over instructions with these frames is in the source: path and line."""
+        """Where the loop over instructions with these frames is in the source, or None if that has no source here.
+
+        The loop is in the innermost function, inlined or not, that all instructions have in common: the innermost loop of
+        its text around all their lines, or, where that function is not of the repository, the statement that calls it.
+        """
         stacks = [stack for stack in stacks if stack and stack[-1].line]
         if not stacks:
             return None
         depth = 0
-        while all(len(stack) > depth + 1 for stack in stacks) and len({(s[depth].key(), s[depth + 1].function) for s in stacks}) == 1:
+        while all(len(s) > depth + 1 for s in stacks) and len({(s[depth].key(), s[depth + 1].function) for s in stacks}) == 1:
             depth += 1
         own = depth
         while own >= 0 and stacks[0][own].path is None:
             own -= 1
         if own < 0:
             return None
+        path = stacks[0][own].path
         lines = [stack[own].line for stack in stacks if stack[own].line]
-        path, source = stacks[0][own].path, self.file(stacks[0][own].path)
-        function = source.function(min(lines))
-        if own == depth:
-            line = source.loop(min(lines), max(lines))
-            if line is not None and (function is None or function[0] <= line):
-                return path, line
-        return path, source.statement(min(lines))
+        around = self.file(path).around(min(lines), max(lines))
+        callers = [frame for frame in stacks[0][:own] if frame.path]
+        outer = [(one.path, line) for one in callers for line in self.file(one.path).around(one.line, one.line)]
+        if own == depth and around:
+            *rest, line = around
+        else:
+            rest, line = around, self.file(path).statement(min(lines))
+        return Place(path, line, own == depth and bool(around), [*outer, *((path, one) for one in rest)])
 
     def rounds(self, place, without):
         """Rounds that the source states for a loop, or None."""
@@ -201,13 +225,17 @@ class Sources:
             return None
         path, source = stack[0].path, self.file(stack[0].path)
         for extent, found, number in source.marked(TAKES):
-            if extent and extent[0] <= stack[0].line <= extent[1]:
-                return source.value(found[1], self.given, path, number), source.value(found[2], self.given, path, number), found[3]
+            # Not a closure in it.
+            name = extent and re.search(r"\bfn (\w+)", source.lines[extent[0] - 1])
+            if name and extent[0] <= stack[0].line <= extent[1] and stack[0].function.split("::")[-1] == name[1]:
+                taken, most = (source.value(one, self.given, path, number) for one in found.group(1, 2))
+                return taken, most, found[3]
         return None
 
     def never_both(self):
         """Pairs of parts that never meet in a step, of all files read so far."""
-        return sorted({(found[1], found[2]) for source in self._files.values() for line in source.lines if (found := NEVER_BOTH.search(line))})
+        lines = (line for source in self._files.values() for line in source.lines)
+        return sorted({found.group(1, 2) for line in lines if (found := NEVER_BOTH.search(line))})
 
     def only(self, stack):
         """Names that the source marks the code of a stack of frames with."""

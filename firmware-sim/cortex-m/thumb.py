@@ -81,7 +81,7 @@ class Block:
 class Function:
     def __init__(self, address, size, symbol, name):
         self.address, self.end, self.symbol, self.name = address, address + size, symbol, name
-        self.instructions, self.blocks = {}, {}
+        self.lines, self.instructions, self.blocks = [], {}, {}
 
 
 def demangled(names):
@@ -102,15 +102,27 @@ class Program:
         self._disassemble(path, processor)
 
     def _disassemble(self, path, processor):
+        """Keeps the lines of every function; those of the functions that are asked for are read."""
         command = ["llvm-objdump", "-d", "--no-show-raw-insn", f"--mcpu={processor}", path]
+        function = None
         for line in subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines():
+            if line.endswith(">:"):
+                address = int(line.partition(" ")[0], 16)
+                # Data within a function have symbols of their own.
+                function = self.functions.get(address, function)
+            elif function and line.startswith(" "):
+                function.lines.append(line)
+
+    def _read(self, function):
+        """Reads the instructions from the lines."""
+        code = self.elf.read(function.address, function.end - function.address)
+        for line in function.lines:
             body = re.match(r"\s*([0-9a-f]+):\s+(\S+)\s*([^<@]*)", line)
-            if not body or not self.elf.is_code(address := int(body[1], 16)):
-                continue
-            if function := self.holding(address):
-                [half] = struct.unpack("<H", self.elf.read(address, 2))
-                length = 4 if half >> 11 >= 0b11101 else 2
+            address = int(body[1], 16) if body else function.end
+            if function.address <= address < function.end and self.elf.is_code(address):
+                length = 4 if code[address - function.address + 1] >> 3 >= 0b11101 else 2
                 function.instructions[address] = Instruction(address, length, body[2], body[3].strip())
+        function.lines = []
 
     def holding(self, address):
         """The function with an address."""
@@ -131,6 +143,7 @@ class Program:
     def graph(self, function):
         """The function's blocks by address."""
         if not function.blocks:
+            self._read(function)
             _split(self, function)
         return function.blocks
 
@@ -182,7 +195,9 @@ def _goes(program, function, instruction):
         return _table(program, function, instruction), False, None
     if TRAP.match(name):
         return {RETURN}, may, None
-    if re.match(r"pop|ldm", name) and re.search(r"\bpc\b", operands) or re.match(rf"ldr({CONDITION})?(\.w)?$", name) and re.match(r"pc, \[sp\], #", operands):
+    if re.match(r"pop|ldm", name) and re.search(r"\bpc\b", operands):
+        return {RETURN}, may, None
+    if re.match(rf"ldr({CONDITION})?(\.w)?$", name) and re.match(r"pc, \[sp\], #", operands):
         return {RETURN}, may, None
     if re.match(r"pc\b", operands) and not re.match(r"cmp|tst|push|st", name):
         raise Refused(f"{place}: found a jump by a register, which has no bound")
@@ -198,7 +213,7 @@ def _split(program, function):
     ways = {i.address: _goes(program, function, i) for i in instructions}
     heads = {function.address}
     for instruction in instructions:
-        targets, falls, _ = ways[instruction.address]
+        targets = ways[instruction.address][0]
         heads |= {t for t in targets if t != RETURN and function.address <= t < function.end}
         if targets:
             heads.add(instruction.address + instruction.length)
@@ -211,7 +226,7 @@ def _split(program, function):
         targets, falls, callee = ways[instruction.address]
         block.instructions.append(instruction)
         if callee is not None:
-            block.calls.append((instruction.address, callee))
+            block.calls.append((instruction.address, callee, instruction.conditional))
         if targets:
             following = instruction.address + instruction.length
             block.goes = sorted(targets | ({following} if falls else set()), key=str)
@@ -221,5 +236,5 @@ def _split(program, function):
     for block in blocks.values():
         for target in block.goes:
             if target != RETURN and target not in blocks and target not in program.functions:
-                raise Refused(f"{function.name}: {block.address:#x} goes to {target:#x}, which is in no known function's beginning")
+                raise Refused(f"{function.name}: {block.address:#x} goes to {target:#x}, where no function begins")
     function.blocks = blocks

@@ -172,7 +172,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         };
         let tip = source.at_feedback(&state.cells, sample.feedback);
         let (mut wrong, at_edge) = source.at_command(&state.cells, &at);
-        // At most 7 rounds: more than eight passes are refused when the tables are built.
+        // At most 1 rounds without many_passes, else 7: more than eight are refused when the tables are built.
         for _ in 1..passes & PASSES_MASK {
             let mut square = R::ZERO;
             for ((at, command), error) in at.iter_mut().zip(sample.command).zip(wrong) {

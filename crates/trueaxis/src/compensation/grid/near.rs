@@ -198,6 +198,7 @@ impl<R: Real, P: Position> NearGrids<R, P> {
     }
 
     /// [`NearGrids::errors`] over axes other than X and Y: out of line, so that the X-Y case loads only its own factors.
+    // Only with grids.
     #[inline(never)]
     fn errors_over_more(&self, command: &[P; LINEAR], feedback: &[P; LINEAR]) -> [V3<R>; 2] {
         match self.command.flat {
