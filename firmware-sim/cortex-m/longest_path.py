@@ -32,8 +32,8 @@ Functions of the compiler that copy and clear constant numbers of bytes are run 
 return, a panic, ends a path.
 
 --seen: instructions of the worst run known, below which a bound is wrong (exit 1); --most: exit 1 where the bound is above
-this multiple of it. --trace: a file of executed.c, whose first call of the function must be a path of this graph, with no more
-rounds and takes than stated, and not longer than the bound.
+this multiple of it. --trace: a file of executed.c, whose first call of the function must be a path of this graph, without parts
+that never meet, with no more rounds and takes than stated, and not longer than the bound.
 """
 
 import argparse
@@ -481,9 +481,9 @@ class Trace:
 
 
 def sought(program, sources, function, without):
-    """The bound with all alternatives that the source states: bound, path, paths."""
+    """Bound, path and paths of every choice among parts that never meet, the largest bound first."""
     known = Frames(program.elf.path, sources)
-    best, todo = None, [frozenset(without)]
+    found, todo = [], [frozenset(without)]
     while todo:
         chosen = todo.pop()
         paths = Paths(program, sources, chosen, known)
@@ -496,10 +496,27 @@ def sought(program, sources, function, without):
         if met:
             todo += [chosen | {one} for one in met]
             continue
-        bound, edge = paths.least(function)
-        if best is None or bound > best[0]:
-            best = (bound, edge, paths)
-    return best
+        found.append((*paths.least(function), paths))
+    return sorted(found, key=lambda one: -one[0])
+
+
+def followed(file, function, choices):
+    """Follows a trace along the graph of one of the choices."""
+    addresses = [int(line, 16) for line in Path(file).read_text().split()]
+    for bound, _, paths in choices:
+        trace = Trace(paths, function)
+        try:
+            count = trace.follow(addresses)
+        except Refused as error:
+            wrong = error
+            continue
+        over = {name: n for name, n in trace.takes.items() if n > paths.limits[name]}
+        if over:
+            raise Refused(f"{file}: found {over} taken, needed at most {paths.limits}")
+        if count > bound:
+            raise Refused(f"{file}: found {count} instructions, above the bound {bound}")
+        return {"file": file, "instructions": count, "takes": trace.takes, "rounds": trace.most}
+    raise Refused(f"{file}: {wrong}")
 
 
 def report(best):
@@ -574,18 +591,9 @@ def main():
     program = Program(options.elf, options.processor)
     sources = Sources(options.root, given, Path(options.elf).stat().st_mtime)
     function = program.named(options.function)
-    best = sought(program, sources, function, options.without)
-    found = report(best)
-    found["traces"] = []
-    for file in options.trace:
-        trace = Trace(best[2], function)
-        count = trace.follow([int(line, 16) for line in Path(file).read_text().split()])
-        over = {name: n for name, n in trace.takes.items() if n > best[2].limits[name]}
-        if over:
-            raise Refused(f"{file}: found {over} taken, needed at most {best[2].limits}")
-        if count > best[0]:
-            raise Refused(f"{file}: found {count} instructions, above the bound {best[0]}")
-        found["traces"].append({"file": file, "instructions": count, "takes": trace.takes, "rounds": trace.most})
+    choices = sought(program, sources, function, options.without)
+    found = report(choices[0])
+    found["traces"] = [followed(file, function, choices) for file in options.trace]
     print(json.dumps(found, indent=1)) if options.json else show(found, options)
     for trace in found["traces"] if not options.json else ():
         print(f"{trace['file']}: a path of this graph, {trace['instructions']} instructions")
