@@ -240,6 +240,7 @@ impl<R: Real> ContourSearch<R> {
         };
         let found = match self.method {
             Method::Guarded => self.cold_pair(&mut state.tip, &mut points, reference, tip, encoder),
+            // Only with bisection.
             Method::Bisection => {
                 let [x, y, z] = position;
                 let point = [x.plus(d[0]), y.plus(d[1]), z.plus(d[2])];
@@ -306,6 +307,7 @@ impl<R: Real> ContourSearch<R> {
         state.keep(self.method, &points.on.path, reference, &at_tip.tangent, lag);
         state.at_corner = at_tip.flags.has(Flags::AT_CORNER);
         let behind = points.lag(at_encoder.place);
+        // At most 2 rounds.
         for (foot, found, lag, spent) in [(tip, at_tip, lag, for_tip), (encoder, at_encoder, behind, for_encoder)] {
             let error = dot(&found.vector, &found.vector).root();
             *foot = components(&points.on.path, found, error, lag, spent);
@@ -355,6 +357,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         way(&self.on.path, base, foot).map_or(self.max_lag + self.max_lag, |way| self.place - way)
     }
 
+    // Only with resolving. Never both sampling and resolving in one step.
     /// Finds both feet, starting from those of the frame; they stay `None` without a path.
     fn resolve(
         &mut self,
