@@ -74,9 +74,9 @@ pub struct Known {
 pub struct Contribution {
     /// Name of the term: of its errors those of ISO 230-1.
     pub term: String,
-    /// Contribution to the standard uncertainty.
+    /// Contribution to the standard uncertainty; their squares add up to its square.
     pub standard_um: f64,
-    /// Share of the sum of the squared contributions, 0 … 1.
+    /// Share of the variance, 0 … 1, after the squares of the effects of each quantity alone.
     pub share: f64,
 }
 
@@ -132,14 +132,18 @@ impl Outcome {
         let end = |p: f64| quantile(&self.values, p);
         let interval = Interval { low: end(0.5 * (1.0 - COVERAGE)), high: end(0.5 * (1.0 + COVERAGE)) };
         let inside = self.values.iter().filter(|value| (low..=high).contains(*value)).count();
+        // What widens a zone from zero adds up to more than its scatter: the shares divide the scatter that was drawn.
         let whole: f64 = self.contributions.iter().sum();
-        let share = |variance: f64| if whole > 0.0 { variance / whole } else { 0.0 };
-        let budget = names.iter().zip(&self.contributions).filter(|(_, variance)| **variance > 0.0);
+        let share = |squared: f64| if whole > 0.0 { squared / whole } else { 0.0 };
+        let count = self.values.len().max(1) as f64;
+        let mean = self.values.iter().sum::<f64>() / count;
+        let variance = self.values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
+        let budget = names.iter().zip(&self.contributions).filter(|(_, squared)| **squared > 0.0);
         let mut budget: Vec<Contribution> = budget
-            .map(|(term, variance)| Contribution {
+            .map(|(term, squared)| Contribution {
                 term: (*term).to_owned(),
-                standard_um: 1e3 * variance.sqrt(),
-                share: share(*variance),
+                standard_um: 1e3 * (share(*squared) * variance).sqrt(),
+                share: share(*squared),
             })
             .collect();
         sort_by_number(&mut budget, |one| -one.share);
