@@ -226,9 +226,8 @@ fn found(program: &Program, part: &Part, feature: &Feature) -> Result<Cut> {
         let found = format!("{found}, in the lines of {}", feature.name);
         ProgramError::new(&program.file, step.line, found, needed).into()
     };
-    if let Some((_, other)) =
-        program.moves[*first..=*last].iter().map(|step| ((), step)).find(|(_, step)| !step.rapid && !of_lines(step))
-    {
+    let between = &program.moves[*first..=*last];
+    if let Some(other) = between.iter().find(|step| !step.rapid && !of_lines(step)) {
         return Err(refuse(other, "another line that cuts between them", "lines that cut one after the other"));
     }
     let normal = DVec3::from(step.plane_normal);

@@ -239,7 +239,8 @@ pub(super) fn run(steps: &[Step], at: V, stated: &Errors, is_corrected: bool) ->
                 // Every 1.3 mm or closer.
                 let whole = sub(*to, here);
                 let count = (dot(whole, whole).sqrt() / 1.3).ceil().max(1.0);
-                let point = |k: usize| std::array::from_fn(|i| here[i] + whole[i] * k as f64 / count);
+                // From where the axes have turned.
+                let point = |k: usize| std::array::from_fn(|i| here[i] + whole[i] * (k as f64 / count).max(1e-3));
                 (*feature, (0..=count as usize).map(point).collect())
             }
             Step::Turn(centre, feature) => {
@@ -251,13 +252,12 @@ pub(super) fn run(steps: &[Step], at: V, stated: &Errors, is_corrected: bool) ->
                 (Some(*feature), (0..240).map(point).collect())
             }
         };
-        for (k, programmed) in points.iter().copied().enumerate() {
+        for programmed in points.iter().copied() {
             let command: V = std::array::from_fn(|i| programmed[i] + at[i]);
             let sent = if is_corrected { stated.corrected(command) } else { command };
             let drives = drives.get_or_insert(sent.map(|q| Drive { extreme: q, back: false }));
             drives.iter_mut().zip(sent).for_each(|(drive, q)| drive.goes(q));
-            // Where a line begins, the axes have not yet turned.
-            if let Some(feature) = feature.filter(|_| k > 0) {
+            if let Some(feature) = feature {
                 places.push(Place { feature, programmed, sent, back: drives.map(|drive| drive.back) });
             }
         }
