@@ -1,0 +1,75 @@
+//! `trueaxis predict`.
+
+use crate::output::{json, print};
+use crate::{model, report};
+use anyhow::{Result, bail};
+use clap::Args;
+use std::path::PathBuf;
+use trueaxis_evaluation::predict::{Part, predict};
+use trueaxis_sim::program::{Program, ReadOptions, Source};
+use trueaxis_tables::output::Outputs;
+use trueaxis_tables::uncertainty::Uncertainties;
+
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis predict compensation-tables/mill-3axis records/plate/part.toml";
+
+pub(crate) const HELP: &str = "\
+The part's file states where the program's zero is in the machine, features by lines of the program, and tolerances:
+  name, program, at_mm = [X, Y, Z]
+  [[feature]] with name, kind = circle, hole, line or plane, lines = [first, last]
+  [[tolerance]] with feature, kind, and
+    limits_um or limits_mm: size, distance (from = another feature)
+    width_um or width_mm: position, straightness, flatness, roundness, parallelism, perpendicularity
+    datums = [...]: position (up to three), parallelism, perpendicularity
+
+The points of every feature are those that the exact geometry of the machine cuts, with lost motion by the direction in \
+which each axis arrives. Features are fitted by least squares. Machines drawn from the uncertainties in the machine.toml \
+(see `trueaxis uncertainty`) give the interval that contains the true value with 95 %. A feature conforms if this interval \
+is within the tolerance, does not conform if it is outside, and is otherwise undecided (ISO 14253-1). Verdicts, \
+uncertainties and contributions are those of the corrected part.
+
+A size is that of a tool of exactly its nominal diameter.";
+
+#[derive(Args)]
+pub(crate) struct PredictArgs {
+    /// machine.toml or its folder.
+    #[arg(value_name = "MACHINE")]
+    machine: PathBuf,
+    /// The part's file.
+    #[arg(value_name = "PART.toml")]
+    part: PathBuf,
+    /// G-code file [default: the part's `program`, beside its file].
+    #[arg(long, value_name = "P.ngc")]
+    program: Option<PathBuf>,
+    /// Seed of the machines drawn; the same seed draws the same machines.
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON document instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write a page: a folder (predict.html) or a file that ends in .html.
+    #[arg(long, value_name = "DIR|FILE")]
+    report: Option<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
+    let part = Part::read(&model::text(&arguments.part)?, &arguments.part)?;
+    let beside = part.program.as_ref().map(|name| arguments.part.with_file_name(name));
+    let Some(path) = arguments.program.clone().or(beside) else {
+        bail!("{}: key program: found nothing, needed a G-code file, or --program", arguments.part.display());
+    };
+    let source = Source::read(&path)?;
+    let program = Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(&path))?;
+    let machine = model::source(&arguments.machine)?;
+    let stated = Uncertainties::read(&arguments.machine)?;
+    let document = predict(&machine, &stated, &program, &part, arguments.seed)?;
+    if let Some(to) = &arguments.report {
+        let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]);
+        let mut outputs = Outputs::of(inputs);
+        let page = document.shown().page("", report::NO_FIGURES);
+        report::write_to(&mut outputs, &page, to, "predict.html")?;
+        outputs.commit()?;
+    }
+    if arguments.json { json(&document) } else { print(&document.shown().text()) }
+}

@@ -1,0 +1,94 @@
+//! Tables of a predicted part.
+
+use super::{Known, PredictDocument, Predicted};
+use crate::shown::{Cell, EXPANDED, Shown, Table};
+use trueaxis_report::number::shortest;
+
+/// Contributions shown of each characteristic.
+const LARGEST: usize = 3;
+
+impl PredictDocument {
+    /// Tables of the document: verdicts, and the largest contributions.
+    pub fn shown(&self) -> Shown {
+        let known: Vec<(&Predicted, &Known)> =
+            self.features.iter().filter_map(|of| Some((of, of.known.as_ref()?))).collect();
+        let count = |verdict: &str| known.iter().filter(|(_, known)| known.verdict == verdict).count();
+        let mut notes = self.warnings.clone();
+        let not_stated = self.not_stated.join(", ");
+        let result = if known.is_empty() {
+            notes.push(format!("keys of machine.toml that state uncertainties, none of them found: {not_stated}"));
+            String::from("No verdict: the machine states no standard uncertainty.")
+        } else {
+            if !not_stated.is_empty() {
+                notes.push(format!("not stated, taken as zero: {not_stated}"));
+            }
+            let words = ["conforms", "does not conform", "undecided"].map(|verdict| (verdict, count(verdict)));
+            let parts =
+                words.iter().filter(|(_, count)| *count > 0).map(|(verdict, count)| format!("{count} {verdict}"));
+            format!("Verdicts: {}.", parts.collect::<Vec<_>>().join(", "))
+        };
+        notes.push("servo, temperature while cutting, tool and process are not included".into());
+        let [x, y, z] = self.at_mm.map(shortest);
+        Shown {
+            title: "Part before it is cut".into(),
+            summary: vec![
+                self.part.clone(),
+                self.program.clone(),
+                self.machine.clone(),
+                format!("program zero at X {x}, Y {y}, Z {z} mm"),
+                format!("{} %", self.confidence_percent),
+            ],
+            result,
+            notes,
+            tables: std::iter::once(self.verdicts()).chain((!known.is_empty()).then(|| budget(&known))).collect(),
+            ..Shown::default()
+        }
+    }
+
+    fn verdicts(&self) -> Table {
+        let has_known = self.features.iter().any(|of| of.known.is_some());
+        let head = ["feature", "tolerance, µm", "uncorrected, µm", "corrected, µm"].into_iter();
+        let head =
+            head.chain(if has_known { &[EXPANDED, "in tolerance, %", "verdict"][..] } else { &[] }.iter().copied());
+        let rows = self.features.iter().map(|of| {
+            let mut row: Vec<Cell> = vec![of.title().into(), of.limits().into()];
+            row.extend([of.uncorrected_um, of.corrected_um].map(|um| Cell::fixed(um, 2)));
+            if let Some(known) = &of.known {
+                let share = Cell::percent(known.conformance);
+                row.extend([Cell::fixed(known.expanded_um, 2), share, known.verdict.into()]);
+            }
+            row
+        });
+        Table::new("Features", head, rows.collect::<Vec<_>>())
+    }
+}
+
+impl Predicted {
+    /// Feature, characteristic and datums.
+    fn title(&self) -> String {
+        match (self.kind, self.datums.is_empty()) {
+            (_, true) => format!("{}, {}", self.feature, self.kind),
+            ("distance", _) => format!("{}, distance from {}", self.feature, self.datums.join(", ")),
+            _ => format!("{}, {} to {}", self.feature, self.kind, self.datums.join(", ")),
+        }
+    }
+
+    /// The tolerance as written: a width, or two limits.
+    fn limits(&self) -> String {
+        match self.limits_um {
+            [None, Some(width)] => shortest(width),
+            limits => limits.map(|um| um.map_or_else(String::new, shortest)).join(" to "),
+        }
+    }
+}
+
+fn budget(known: &[(&Predicted, &Known)]) -> Table {
+    let rows = known.iter().flat_map(|(of, known)| {
+        known.budget.iter().take(LARGEST).map(|one| {
+            let um = Cell::number(one.standard_um, 3);
+            vec![of.title().into(), one.term.as_str().into(), Cell::percent(one.share), um]
+        })
+    });
+    let head = ["feature", "term", "share, %", "standard uncertainty, µm"];
+    Table::new("Largest contributions", head, rows.collect::<Vec<_>>()).bars(2)
+}
