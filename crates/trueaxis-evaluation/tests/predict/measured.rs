@@ -49,8 +49,8 @@ pub(super) fn line(points: &[[V; 2]]) -> ([f64; 2], [f64; 2], f64) {
     ([mx, my], [cosine, sine], form)
 }
 
-/// Flatness of a plane that is nearly level: z = a + b x + c y by Cramer's rule about the middle.
-pub(super) fn flatness(points: &[[V; 2]]) -> f64 {
+/// Slopes of a plane that is nearly level: z = a + b x + c y by Cramer's rule about the middle.
+fn slopes(points: &[[V; 2]]) -> [f64; 2] {
     let middle = mean(points, 0);
     let (mut xx, mut xy, mut yy, mut xz, mut yz) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for [is, _] in points {
@@ -58,8 +58,20 @@ pub(super) fn flatness(points: &[[V; 2]]) -> f64 {
         (xx, xy, yy, xz, yz) = (xx + x * x, xy + x * y, yy + y * y, xz + x * z, yz + y * z);
     }
     let whole = xx * yy - xy * xy;
-    let (b, c) = ((xz * yy - yz * xy) / whole, (yz * xx - xz * xy) / whole);
-    width(points.iter().map(|[is, _]| dot(sub(*is, middle), [-b, -c, 1.0])))
+    [(xz * yy - yz * xy) / whole, (yz * xx - xz * xy) / whole]
+}
+
+/// Flatness of a plane that is nearly level.
+pub(super) fn flatness(points: &[[V; 2]]) -> f64 {
+    let [b, c] = slopes(points);
+    width(points.iter().map(|[is, _]| dot(*is, [-b, -c, 1.0])))
+}
+
+/// The points of a feature with the part turned until the plane is level: seen along its normal, a point at depth z moves by
+/// its slopes times z.
+pub(super) fn levelled(points: &[[V; 2]], plane: &[[V; 2]]) -> Vec<[V; 2]> {
+    let [b, c] = slopes(plane);
+    points.iter().map(|[[x, y, z], was]| [[x + b * z, y + c * z, *z], *was]).collect()
 }
 
 /// Mean place of a hole's points.

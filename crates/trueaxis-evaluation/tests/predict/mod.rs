@@ -3,7 +3,7 @@
 mod measured;
 mod plant;
 
-use measured::{along, circle, flatness, hole, line};
+use measured::{along, circle, flatness, hole, levelled, line};
 use plant::{Errors, Known, Place, Step, V, approaches, cut, program, run};
 use std::path::Path;
 use trueaxis_evaluation::predict::{Part, PredictDocument, predict};
@@ -100,13 +100,16 @@ fn predicted(known: Option<&Known>) -> PredictDocument {
 /// Measures the tolerances of a part, µm.
 fn measure(features: &[Vec<[V; 2]>]) -> Vec<f64> {
     let ([fx, fy], [ux, uy], front) = line(&features[1]);
-    let ([lx, ly], _, _) = line(&features[2]);
     let (centre, diameter, form) = circle(&features[3], [CENTRE[0], CENTRE[1]]);
     let [one, two] = [4, 5].map(|feature| hole(&features[feature]));
-    // In the system of the front edge's direction and offset, and of the left edge's middle.
     let (ux, uy) = if ux < 0.0 { (-ux, -uy) } else { (ux, uy) };
-    let x = (centre[0] - lx) * ux + (centre[1] - ly) * uy - 5.0 - CENTRE[0];
-    let y = (centre[1] - fy) * ux - (centre[0] - fx) * uy - 5.0 - CENTRE[1];
+    // The top levels the part first: the edges are 2 mm below the bore. Then the bore is in the system of the front edge's
+    // direction and offset, and of the left edge's middle.
+    let [level_front, level_left, level_bore] = [1, 2, 3].map(|of| levelled(&features[of], &features[0]));
+    let [[lfx, lfy], [llx, lly]] = [line(&level_front).0, line(&level_left).0];
+    let [bx, by] = circle(&level_bore, [CENTRE[0], CENTRE[1]]).0;
+    let x = (bx - llx) * ux + (by - lly) * uy - 5.0 - CENTRE[0];
+    let y = (by - lfy) * ux - (bx - lfx) * uy - 5.0 - CENTRE[1];
     let apart = |[ax, ay]: [f64; 2], [bx, by]: [f64; 2]| (ax - bx).hypot(ay - by);
     let nominal = apart([HOLES[0][0], HOLES[0][1]], [HOLES[1][0], HOLES[1][1]]);
     let edge = (two[1] - fy) * ux - (two[0] - fx) * uy - (HOLES[1][1] + 5.0);
@@ -139,16 +142,11 @@ fn the_stated_machine_cuts_what_is_predicted() {
         for (wanted, found) in as_stated(is_corrected).into_iter().zip(&found.features) {
             let um = if is_corrected { found.corrected_um } else { found.uncorrected_um };
             // The ends of a zone lie between the points of one of the two.
-            assert!(
-                (um - wanted).abs() < if found.kind == "flatness" { 0.1 } else { 0.05 },
-                "{of}, {} {}: {um} for {wanted}",
-                found.feature,
-                found.kind
-            );
-            assert!(
-                found.known.is_none() && (is_corrected || found.kind == "roundness" || um.abs() > 0.5),
-                "{found:?}"
-            );
+            let most = if found.kind == "flatness" { 0.1 } else { 0.05 };
+            let case = format!("{of}, {} {}: {um} for {wanted}", found.feature, found.kind);
+            assert!((um - wanted).abs() < most, "{case}");
+            // Without correction there is an error to predict.
+            assert!(found.known.is_none() && (is_corrected || um.abs() > 4.0 * most), "{case}");
         }
     }
 }
