@@ -65,6 +65,28 @@ fn lost_motion_follows_the_direction_of_travel() {
     assert!((um(&found, "expanded_um") - 1.96 * 0.6 * 0.5).abs() < 0.02, "{found}");
 }
 
+/// EXX reaches 400 µm at the travel's end; the limit of 100 µm leaves the correction of 80 µm at X 40 whole, and of the
+/// 200 µm at X 100 it removes half: the second hole is at 99.9 mm plus 0.002 of that.
+#[test]
+fn a_limit_of_the_correction_limits_the_predicted_one() {
+    let folder = Folder::new(TRUEAXIS);
+    let document = |limits: &str| {
+        write(&folder, &format!("{limits}{OTHERS}"), PROGRAM, PART);
+        folder.write("x.csv", "X_mm,EXX_um\n0,0\n200,400\n");
+        folder.json(&["predict", ".", "part.toml", "--json"])
+    };
+    let limited = document("");
+    let left = 99.9 * 1.002 - 40.0;
+    assert!((um(&limited, "corrected_um") - 1e3 * (f64::hypot(left, 80.0) - 100.0)).abs() < 0.01, "{limited}");
+    let warnings = limited["warnings"].to_string();
+    for part in ["axis X", "removes up to 99.", "X100 Y100", "[axis.X.limits] magnitude_um is 100"] {
+        assert!(warnings.contains(part), "{part}: {warnings}");
+    }
+    assert!(folder.good(&["predict", ".", "part.toml"]).contains("[axis.X.limits] magnitude_um is 100"));
+    let whole = document("[axis.X.limits]\nmagnitude_um = 300\n");
+    assert!(um(&whole, "corrected_um").abs() < 0.01 && whole["warnings"].as_array().unwrap().is_empty(), "{whole}");
+}
+
 #[test]
 fn without_uncertainties_there_is_no_verdict_and_the_keys_are_named() {
     let folder = Folder::new(TRUEAXIS);
@@ -84,7 +106,7 @@ fn the_sample_part_as_document_table_and_page() {
     let [machine, part] =
         ["compensation-tables/mill-3axis", "records/plate/part.toml"].map(|name| root.join(name).display().to_string());
     let folder = Folder::new(TRUEAXIS);
-    let call = ["predict", &machine, &part];
+    let call = ["predict", &machine, &part, "--trials", "400"];
     let document = folder.json(&[&call[..], &["--json", "--report", "page"]].concat());
     assert_eq!(folder.json(&[&call[..], &["--json"]].concat()), document, "the same seed");
     let features = document["features"].as_array().unwrap();
@@ -96,8 +118,12 @@ fn the_sample_part_as_document_table_and_page() {
         let share = |one: &Value| one["share"].as_f64().unwrap();
         assert!((budget.iter().map(share).sum::<f64>() - 1.0).abs() < 1e-9, "{feature}");
         assert!(budget.windows(2).all(|pair| share(&pair[0]) >= share(&pair[1])), "{feature}");
+        assert!(feature["parts_cut"].is_null() || feature["parts_cut"] == 400, "{feature}");
+        let end = |name: &str| trueaxis_report::number::decimals(feature["interval_um"][name].as_f64().unwrap(), 2);
+        let interval = format!("{} to {}", end("low"), end("high"));
         let expanded = trueaxis_report::number::decimals(feature["expanded_um"].as_f64().unwrap(), 2);
         for shown in [&text, &page] {
+            assert!(shown.contains(&interval), "{feature}");
             assert!(shown.contains(&expanded) && shown.contains(feature["verdict"].as_str().unwrap()), "{feature}");
         }
     }
@@ -120,6 +146,7 @@ fn bad_parts_are_refused_with_file_and_line() {
         (part("lines = [4, 4]", "lines = [9, 9]"), &["part.toml:5", "no motion in lines 9 to 9"]),
         (part("lines = [4, 4]", "lines = [4, 3]"), &["part.toml:7", "first and last line"]),
         (part("lines = [4, 4]", "lines = [4, 8]"), &["two.ngc:4", "needed: one hole"]),
+        (part("lines = [4, 4]", "lines = [400, 400]"), &["part.toml:5", "no motion in lines 400 to 400 of two.ngc"]),
         (
             part("kind = \"hole\"\nlines = [4, 4]", "kind = \"circle\"\nlines = [4, 4]"),
             &["two.ngc:4", "arcs of one circle"],
@@ -137,6 +164,11 @@ fn bad_parts_are_refused_with_file_and_line() {
     }
     write(&folder, OTHERS, &PROGRAM.replace("G0 X180", "G0 X180 A5"), PART);
     folder.bad(&["predict", ".", "part.toml"], &["two.ngc:6", "axis A", "motion of X, Y and Z alone"]);
+    write(&folder, OTHERS, PROGRAM, PART);
+    folder.bad(&["predict", ".", "part.toml", "--trials", "199"], &["trials: found 199, needed 200 to 1000000"]);
+    write(&folder, "[axis.Z]\ntravel_mm = [-100, 0]\n", PROGRAM, PART);
+    folder.write("machine.toml", folder.read("machine.toml").replace("X' Y' b", "X' b"));
+    folder.bad(&["predict", ".", "part.toml"], &["small: found axes X, Z, needed X, Y and Z"]);
     write(&folder, OTHERS, PROGRAM, &part("program = \"two.ngc\"\n", ""));
     folder.bad(&["predict", ".", "part.toml"], &["program", "--program"]);
 }

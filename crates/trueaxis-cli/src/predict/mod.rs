@@ -5,7 +5,7 @@ use crate::{model, report};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
-use trueaxis_evaluation::predict::{Part, predict};
+use trueaxis_evaluation::predict::{Options, Part, predict};
 use trueaxis_sim::program::{Program, ReadOptions, Source};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::uncertainty::Uncertainties;
@@ -15,7 +15,7 @@ Example:
   trueaxis predict compensation-tables/mill-3axis records/plate/part.toml";
 
 pub(crate) const HELP: &str = "\
-The part's file states where the program's zero is in the machine, features by lines of the program, and tolerances:
+The part's file states where the program's zero is in the machine, the lines of the program that cut each feature, and the tolerances:
   name, program, at_mm = [X, Y, Z]
   [[feature]] with name, kind = circle, hole, line or plane, lines = [first, last]
   [[tolerance]] with feature, kind, and
@@ -23,13 +23,13 @@ The part's file states where the program's zero is in the machine, features by l
     width_um or width_mm: position, straightness, flatness, roundness, parallelism, perpendicularity
     datums = [...]: position (up to three), parallelism, perpendicularity
 
-The points of every feature are those that the exact geometry of the machine cuts, with lost motion by the direction in \
-which each axis arrives. Features are fitted by least squares. Machines drawn from the uncertainties in the machine.toml \
-(see `trueaxis uncertainty`) give the interval that contains the true value with 95 %. A feature conforms if this interval \
-is within the tolerance, does not conform if it is outside, and is otherwise undecided (ISO 14253-1). Verdicts, \
-uncertainties and contributions are those of the corrected part.
+The exact geometry of the machine gives the points that are cut, with lost motion by the direction in which each axis \
+arrives, and with corrections as far as their limits in the machine.toml admit. Features are fitted by least squares. \
+Machines drawn from the uncertainties in the machine.toml (see `trueaxis uncertainty`) give the interval that contains the \
+true value with 95 %. A feature conforms if this interval is within the tolerance, does not conform if it is outside, and is \
+otherwise undecided (ISO 14253-1). Verdicts, uncertainties and contributions are those of the corrected part.
 
-A size is that of a tool of exactly its nominal diameter.";
+Sizes are those of a tool of exactly its nominal diameter.";
 
 #[derive(Args)]
 pub(crate) struct PredictArgs {
@@ -42,8 +42,11 @@ pub(crate) struct PredictArgs {
     /// G-code file [default: the part's `program`, beside its file].
     #[arg(long, value_name = "P.ngc")]
     program: Option<PathBuf>,
+    /// Number of machines drawn at random, 200 to 1000000.
+    #[arg(long, value_name = "N", default_value_t = Options::default().trials)]
+    trials: u64,
     /// Seed of the machines drawn; the same seed draws the same machines.
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    #[arg(long, value_name = "SEED", default_value_t = Options::default().seed)]
     seed: u64,
     /// Print one JSON document instead of a table.
     #[arg(long)]
@@ -63,7 +66,8 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     let program = Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(&path))?;
     let machine = model::source(&arguments.machine)?;
     let stated = Uncertainties::read(&arguments.machine)?;
-    let document = predict(&machine, &stated, &program, &part, arguments.seed)?;
+    let options = Options { trials: arguments.trials, seed: arguments.seed };
+    let document = predict(&machine, &stated, &program, &part, options)?;
     if let Some(to) = &arguments.report {
         let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]);
         let mut outputs = Outputs::of(inputs);

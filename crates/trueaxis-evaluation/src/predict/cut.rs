@@ -1,16 +1,17 @@
 //! The points of a part's features, with the axes where the drives bring them while cutting.
 
 use super::part::{Feature, FeatureKind, Part};
-use crate::compensate::{Arrival, Model, Settings, with_model};
+use crate::compensate::{Model, NoCorrection, Place, Settings, with_model};
 use crate::positions::Travel;
 use crate::uncertainty::terms::Along;
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use glam::DVec3;
 use trueaxis::compensation::Direction;
 use trueaxis::machine::{AXES, Axis};
 use trueaxis_sim::program::{Curve, Move, Program, ProgramError, ROTARY_LETTERS};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::{Commanded, Geometry};
+use trueaxis_tables::limits::Clipped;
 
 /// Spacing of the points of a feature, mm, and about how many of them a feature has at least and at most (an arc: on a full
 /// turn). They are equally spaced, since all have the same weight in a fit.
@@ -92,15 +93,18 @@ impl Point {
     }
 }
 
-/// The features of a part as the program cuts them on a machine.
+/// The features of a part as the program cuts them on a machine, and how far the limits of the axes reduce the correction at
+/// their points.
 ///
 /// # Errors
-/// A program that turns rotary axes or leaves the travel, and features that its lines do not cut.
-pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Result<Vec<Cut>> {
+/// A machine without X, Y or Z; a program that turns rotary axes or leaves the travel; features that its lines do not cut.
+pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Result<(Vec<Cut>, Clipped)> {
     linear_only(program)?;
+    has_linear(machine)?;
     let mut cuts = part.features.iter().map(|feature| found(program, part, feature)).collect::<Result<Vec<_>>>()?;
     let geometry = Geometry::new(machine, 0.0).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
     let spacings: Vec<f64> = cuts.iter().map(|cut| spacing(program, cut)).collect();
+    let mut clipped = Clipped::default();
     with_model(machine, &Settings::default(), |model| {
         let mut drives = Drives::new(machine, model);
         for (index, step) in program.moves.iter().enumerate() {
@@ -113,9 +117,10 @@ pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Res
                 let mut command = [0.0; AXES];
                 command[..3].copy_from_slice(&(nominal + DVec3::from(part.at_mm)).to_array());
                 within_travel(machine, program, step, &command)?;
-                let [uncorrected, corrected] = drives.reach(command)?;
+                let ([uncorrected, corrected], wanted) = drives.reach(command)?;
                 let commanded = geometry.commanded(&slots(machine, &command));
                 if is_feature {
+                    clipped.add(&machine.settings, &command, &wanted);
                     let point = Point { nominal, uncorrected, corrected, commanded };
                     cuts.iter_mut().filter(|cut| used(cut)).for_each(|cut| cut.points.push(point.clone()));
                 }
@@ -123,7 +128,7 @@ pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Res
         }
         Ok(())
     })?;
-    Ok(cuts)
+    Ok((cuts, clipped))
 }
 
 /// Refuses a program with rotary axes.
@@ -137,8 +142,19 @@ fn linear_only(program: &Program) -> Result<()> {
     }
 }
 
+/// Refuses a machine without X, Y or Z.
+fn has_linear(machine: &Machine) -> Result<()> {
+    let has = |axis: Axis| machine.settings.axis(axis).is_some();
+    if ![Axis::X, Axis::Y, Axis::Z].into_iter().all(has) {
+        let letters: Vec<String> =
+            Axis::ALL.into_iter().filter(|axis| has(*axis)).map(|axis| axis.letter().into()).collect();
+        bail!("{}: found axes {}, needed X, Y and Z", machine.settings.name, letters.join(", "));
+    }
+    Ok(())
+}
+
 fn within_travel(machine: &Machine, program: &Program, step: &Move, command: &[f64; AXES]) -> Result<()> {
-    for own in &machine.settings.axes {
+    for own in machine.settings.axes.iter().filter(|own| !own.axis.is_rotary()) {
         let (q, [low, high]) = (command[own.axis.index()], own.travel);
         if q < low || q > high {
             let found = format!("axis {} at {q:.3} mm", own.axis.letter());
@@ -189,24 +205,31 @@ fn turn(arc: &Curve) -> f64 {
 struct Drives<'m> {
     model: &'m dyn Model,
     uncorrected: Travel,
-    corrected: Arrival,
+    corrected: Travel,
+    /// Largest correction that the step sends to each axis.
+    most: [f64; AXES],
 }
 
 impl<'m> Drives<'m> {
     fn new(machine: &Machine, model: &'m dyn Model) -> Drives<'m> {
-        let uncorrected = Travel::new(machine, Axis::ALL.into_iter());
-        Drives { model, uncorrected, corrected: Arrival::in_order(machine) }
+        let travel = Travel::new(machine, Axis::ALL.into_iter());
+        let most = Axis::ALL.map(|axis| machine.settings.axis(axis).map_or(0.0, |own| own.limits.magnitude));
+        Drives { model, uncorrected: travel.clone(), corrected: travel, most }
     }
 
-    /// Positions and directions, without and with correction.
-    fn reach(&mut self, command: [f64; AXES]) -> Result<[Reached; 2]> {
+    /// Positions and directions, without and with correction, and the correction without its limits.
+    fn reach(&mut self, command: [f64; AXES]) -> Result<([Reached; 2], [f64; AXES])> {
         let reverse = |all: [Direction; AXES]| all.map(|one| if one == Direction::POSITIVE { 0.0 } else { 1.0 });
-        let directions = self.uncorrected.arrive(&command, |_| Ok::<_, anyhow::Error>([0.0; AXES]))?;
+        let directions = self.uncorrected.arrive(&command, |_| Ok::<_, NoCorrection>([0.0; AXES]))?;
         let uncorrected = Reached { sent: command, reverse: reverse(directions) };
-        let place = self.corrected.at(self.model, command)?;
-        let correction = self.model.correction(&place)?;
+        let (model, most) = (self.model, self.most);
+        let wanted = |&directions: &[Direction; AXES]| model.correction(&Place { command, directions });
+        let limited = |wanted: [f64; AXES]| std::array::from_fn(|index| wanted[index].clamp(-most[index], most[index]));
+        let directions = self.corrected.arrive(&command, |directions| wanted(directions).map(limited))?;
+        let wanted = wanted(&directions)?;
+        let correction: [f64; AXES] = limited(wanted);
         let sent = std::array::from_fn(|index| command[index] + correction[index]);
-        Ok([uncorrected, Reached { sent, reverse: reverse(place.directions) }])
+        Ok(([uncorrected, Reached { sent, reverse: reverse(directions) }], wanted))
     }
 }
 

@@ -1,5 +1,6 @@
 //! The document of a predicted part.
 
+use super::Options;
 use super::unknowns::Model;
 use serde::Serialize;
 use trueaxis_metrology::order::sort_by_number;
@@ -22,13 +23,15 @@ pub struct PredictDocument {
     pub at_mm: [f64; 3],
     /// Coverage of the intervals.
     pub confidence_percent: f64,
+    /// Number of machines drawn.
+    pub trials: u64,
     /// Seed of the draws.
     pub seed: u64,
     /// A toleranced characteristic each, in the order of the part.
     pub features: Vec<Predicted>,
     /// Keys of the machine that are not stated; their uncertainty counts as zero.
     pub not_stated: Vec<String>,
-    /// Remarks on the machine's uncertainties.
+    /// Remarks: on the machine's uncertainties, and on limits that reduce its correction.
     pub warnings: Vec<String>,
 }
 
@@ -63,7 +66,7 @@ pub struct Known {
     pub conformance: f64,
     /// `conforms`, `does not conform` or `undecided`, after ISO 14253-1.
     pub verdict: &'static str,
-    /// Parts cut by exact transforms that gave the interval; `null` if the derivatives did.
+    /// Drawn parts cut by exact transforms that gave the interval; `null` if the derivatives did.
     pub parts_cut: Option<usize>,
     /// Contributions, largest first.
     pub budget: Vec<Contribution>,
@@ -94,7 +97,7 @@ impl PredictDocument {
     pub(super) fn new(
         model: &Model<'_>,
         program: &Program,
-        seed: u64,
+        Options { trials, seed }: Options,
         [uncorrected, corrected]: [&[f64]; 2],
         outcomes: Vec<Outcome>,
     ) -> PredictDocument {
@@ -118,6 +121,7 @@ impl PredictDocument {
             machine: model.machine.settings.name.to_string(),
             at_mm: part.at_mm,
             confidence_percent: 100.0 * COVERAGE,
+            trials,
             seed,
             features: features.collect(),
             not_stated: model.terms.not_stated.clone(),

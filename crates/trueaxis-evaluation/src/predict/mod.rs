@@ -11,9 +11,9 @@
 //! machine's own tables, so that the residual of its model remains. Lost motion follows the direction in which each drive
 //! arrives, from the start of the program on; it is taken up at once.
 //!
-//! 10,000 draws of the quantities give the interval of 95 % of each characteristic through the derivatives. 200 of them are
-//! also cut by exact transforms and fitted again. Where the two differ, as for the width of a zone, which cannot fall below
-//! zero, 2,000 draws cut that way replace the derivatives.
+//! Draws of the quantities, 10,000 of them unless told otherwise, give the interval of 95 % of each characteristic through the derivatives. 200 of them
+//! are also cut by exact transforms and fitted again. Where the two differ, as for the width of a zone, which cannot fall below
+//! zero, all draws are cut that way in place of the derivatives.
 //!
 //! The result excludes the servo, the temperature, the tool and the process.
 //!
@@ -31,7 +31,7 @@ pub use document::{Contribution, Known, PredictDocument, Predicted};
 pub use part::{Characteristic, Feature, FeatureKind, Part, Tolerance};
 
 use crate::uncertainty::terms::Terms;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use cut::{Cut, State};
 use document::Outcome;
 use fit::Nominal;
@@ -41,40 +41,58 @@ use trueaxis_tables::Machine;
 use trueaxis_tables::uncertainty::Uncertainties;
 use unknowns::{Model, Unknown};
 
-/// Draws through the derivatives.
-const DRAWS: u64 = 10_000;
-/// Draws cut by exact transforms as a check, and those that replace the derivatives.
+/// Draws cut by exact transforms as a check of the derivatives, the least number of draws.
 const CHECKED: u64 = 200;
-const REPLACED: u64 = 2_000;
+/// Most draws: what takes minutes.
+const MOST_TRIALS: u64 = 1_000_000;
 /// Difference above which the derivatives are replaced: a share of the standard deviation, plus a length that no instrument
 /// resolves, mm.
 const DIFFERENCE: f64 = 0.05;
 const NOTHING: f64 = 1e-6;
+
+/// The draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Number of machines drawn, 200 to 1,000,000.
+    pub trials: u64,
+    /// Seed of the draws.
+    pub seed: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options { trials: 10_000, seed: 1 }
+    }
+}
 
 /// Predicts the part that a program cuts on a machine.
 ///
 /// Without any uncertainty stated, only the deviations are predicted.
 ///
 /// # Errors
-/// A program that turns rotary axes or leaves the travel; features that their lines do not cut; datums that are not made
-/// before the features that refer to them; a machine that the model refuses.
+/// A number of draws out of its range; a machine without X, Y or Z, or that the model refuses; a program that turns rotary axes or leaves the travel; features
+/// that their lines do not cut; datums that are not made before the features that refer to them.
 pub fn predict(
     machine: &Machine,
     stated: &Uncertainties,
     program: &Program,
     part: &Part,
-    seed: u64,
+    options: Options,
 ) -> Result<PredictDocument> {
-    let cuts = cut::features(machine, program, part)?;
+    if !(CHECKED..=MOST_TRIALS).contains(&options.trials) {
+        bail!("trials: found {}, needed {CHECKED} to {MOST_TRIALS}", options.trials);
+    }
+    let (cuts, clipped) = cut::features(machine, program, part)?;
     let nominal = nominal(program, part, &cuts)?;
     characteristic::check(part, &nominal)?;
     datums_first(part, &cuts)?;
-    let terms = Terms::stated(machine, stated);
+    let mut terms = Terms::stated(machine, stated);
+    terms.warnings.extend(clipped.notes(&machine.settings, "point"));
     let model = Model { machine, part, cuts: &cuts, nominal: &nominal, terms: &terms };
     let nothing = model.nothing();
     let [uncorrected, corrected] = [model.cut(&nothing, State::Uncorrected)?, model.cut(&nothing, State::Corrected)?];
-    let outcomes = if terms.all.is_empty() { Vec::new() } else { outcomes(&model, &corrected, seed)? };
-    Ok(PredictDocument::new(&model, program, seed, [&uncorrected, &corrected], outcomes))
+    let outcomes = if terms.all.is_empty() { Vec::new() } else { outcomes(&model, &corrected, options)? };
+    Ok(PredictDocument::new(&model, program, options, [&uncorrected, &corrected], outcomes))
 }
 
 fn nominal(program: &Program, part: &Part, cuts: &[Cut]) -> Result<Vec<Nominal>> {
@@ -123,7 +141,7 @@ fn response(model: &Model<'_>, unknown: &Unknown, at_zero: &[f64]) -> Result<Res
 }
 
 /// What the draws give for each tolerance.
-fn outcomes(model: &Model<'_>, at_zero: &[f64], seed: u64) -> Result<Vec<Outcome>> {
+fn outcomes(model: &Model<'_>, at_zero: &[f64], Options { trials, seed }: Options) -> Result<Vec<Outcome>> {
     let unknowns = model.unknowns();
     let responses = (0..unknowns.len()).into_par_iter().map(|k| response(model, &unknowns[k], at_zero));
     let responses = responses.collect::<Result<Vec<_>>>()?;
@@ -136,7 +154,7 @@ fn outcomes(model: &Model<'_>, at_zero: &[f64], seed: u64) -> Result<Vec<Outcome
         }
         values
     };
-    let by_derivatives: Vec<Vec<f64>> = (0..DRAWS).into_par_iter().map(linear).collect();
+    let by_derivatives: Vec<Vec<f64>> = (0..trials).into_par_iter().map(linear).collect();
     let exact = |numbers: std::ops::Range<u64>| {
         let cut = |number| model.cut(&model.draw(seed, number), State::Corrected);
         numbers.into_par_iter().map(cut).collect::<Result<Vec<_>>>()
@@ -144,7 +162,7 @@ fn outcomes(model: &Model<'_>, at_zero: &[f64], seed: u64) -> Result<Vec<Outcome
     let mut cut = exact(0..CHECKED)?;
     let differs: Vec<bool> = (0..at_zero.len()).map(|index| disagree(&by_derivatives, &cut, index)).collect();
     if differs.contains(&true) {
-        cut.extend(exact(CHECKED..REPLACED)?);
+        cut.extend(exact(CHECKED..trials)?);
     }
     let outcome = |(index, differs): (usize, bool)| {
         let draws = if differs { &cut } else { &by_derivatives };

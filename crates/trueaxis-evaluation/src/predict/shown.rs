@@ -2,7 +2,11 @@
 
 use super::{Known, PredictDocument, Predicted};
 use crate::shown::{Cell, EXPANDED, Shown, Table};
-use trueaxis_report::number::shortest;
+use trueaxis_metrology::uncertainty::Interval;
+use trueaxis_report::number::{decimals, shortest};
+
+/// The interval itself: that of a zone is not centred on the predicted width, which uncertainties mostly widen.
+const WITHIN: &str = "95 % of draws, µm";
 
 /// Contributions shown of each characteristic.
 const LARGEST: usize = 3;
@@ -48,14 +52,16 @@ impl PredictDocument {
     fn verdicts(&self) -> Table {
         let has_known = self.features.iter().any(|of| of.known.is_some());
         let head = ["feature", "tolerance, µm", "uncorrected, µm", "corrected, µm"].into_iter();
-        let head =
-            head.chain(if has_known { &[EXPANDED, "in tolerance, %", "verdict"][..] } else { &[] }.iter().copied());
+        let head = head
+            .chain(if has_known { &[EXPANDED, WITHIN, "in tolerance, %", "verdict"][..] } else { &[] }.iter().copied());
         let rows = self.features.iter().map(|of| {
             let mut row: Vec<Cell> = vec![of.title().into(), of.limits().into()];
             row.extend([of.uncorrected_um, of.corrected_um].map(|um| Cell::fixed(um, 2)));
             if let Some(known) = &of.known {
                 let share = Cell::percent(known.conformance);
-                row.extend([Cell::fixed(known.expanded_um, 2), share, known.verdict.into()]);
+                let Interval { low, high } = known.interval_um;
+                let within = [low, high].map(|um| decimals(um, 2)).join(" to ");
+                row.extend([Cell::fixed(known.expanded_um, 2), within.into(), share, known.verdict.into()]);
             }
             row
         });

@@ -6,7 +6,7 @@ mod plant;
 use measured::{along, circle, flatness, hole, levelled, line};
 use plant::{Errors, Known, Place, Step, V, approaches, cut, program, run};
 use std::path::Path;
-use trueaxis_evaluation::predict::{Part, PredictDocument, predict};
+use trueaxis_evaluation::predict::{Options, Part, PredictDocument, predict};
 use trueaxis_sim::program::Program;
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
@@ -94,7 +94,7 @@ fn predicted(known: Option<&Known>) -> PredictDocument {
     let (steps, lines) = plate();
     let program = Program::parse("plate", &program(&steps), "plate.ngc").unwrap();
     let part = Part::read(&part(&lines), Path::new("part.toml")).unwrap();
-    predict(&machine, &stated, &program, &part, 7).unwrap()
+    predict(&machine, &stated, &program, &part, Options { seed: 7, ..Options::default() }).unwrap()
 }
 
 /// Measures the tolerances of a part, µm.
@@ -151,44 +151,45 @@ fn the_stated_machine_cuts_what_is_predicted() {
     }
 }
 
-/// Shares of parts, cut on machines drawn from `truth`, within the intervals predicted from `stated`.
-fn coverage(truth: &Known, stated: &Known, parts: usize) -> Vec<f64> {
+/// Shares of parts, cut on machines drawn from `truth`: within the intervals predicted from `stated`, and above them.
+fn coverage(truth: &Known, stated: &Known, parts: usize) -> Vec<[f64; 2]> {
     let found = predicted(Some(stated));
     let (steps, _) = plate();
     let machine = Errors::stated();
     let places: Vec<Place> = run(&steps, AT, &machine, true);
-    let mut held = vec![0; TOLERANCES.len()];
+    let mut counts = vec![[0; 2]; TOLERANCES.len()];
     for number in 0..parts {
         let mut noise = Noise::new(1000 + number as u64);
         let drawn = machine.drawn(truth, &mut noise);
         let off = approaches(COUNT, truth, &mut noise);
-        for ((held, value), of) in held.iter_mut().zip(measure(&cut(&places, AT, &drawn, &off))).zip(&found.features) {
-            *held += usize::from(of.known.as_ref().unwrap().interval_um.contains(value));
+        let values = measure(&cut(&places, AT, &drawn, &off));
+        for ((count, value), of) in counts.iter_mut().zip(values).zip(&found.features) {
+            let interval = of.known.as_ref().unwrap().interval_um;
+            count[0] += usize::from(interval.contains(value));
+            count[1] += usize::from(value > interval.high);
         }
     }
-    let shares: Vec<f64> = held.iter().map(|held| *held as f64 / parts as f64).collect();
-    for (share, of) in shares.iter().zip(&found.features) {
+    let shares: Vec<[f64; 2]> = counts.iter().map(|count| count.map(|one| one as f64 / parts as f64)).collect();
+    for ([held, above], of) in shares.iter().zip(&found.features) {
         let known = of.known.as_ref().unwrap();
+        let (held, above, expanded) = (100.0 * held, 100.0 * above, known.expanded_um);
         let (first, cut) = (&known.budget[0].term, known.parts_cut.unwrap_or(0));
-        println!(
-            "{:<4}{:<18}{:>6.1} %  ± {:.2} µm, {cut}, {first}",
-            of.feature,
-            of.kind,
-            100.0 * share,
-            known.expanded_um
-        );
+        let name = format!("{} {}", of.feature, of.kind);
+        println!("{name:<20}{held:>6.1} %, above {above:.1} %, ± {expanded:.2} µm, {cut} cut, {first}");
     }
     shares
 }
 
-/// With `TRUEAXIS_TEST_SHARE=1` 4,000 parts, and 95 ± 2 %; otherwise a tenth, and 3.5 standard deviations more.
+/// With `TRUEAXIS_TEST_SHARE=1` 4,000 parts, and 95 ± 2 %; otherwise a tenth, and 3.5 standard deviations more. A zone as
+/// wide as the upper end of its interval still conforms: 2.5 % of the parts are wider.
 #[test]
 fn of_100_parts_95_are_within_the_predicted_intervals() {
     let parts = share(4000);
-    let chance = 3.5 * (0.95 * 0.05 / parts as f64).sqrt();
-    let most = if parts >= 4000 { 0.02 } else { 0.01 + chance };
-    for (share, (feature, kind, _)) in coverage(&KNOWN, &KNOWN, parts).into_iter().zip(TOLERANCES) {
-        assert!((share - 0.95).abs() < most, "f{feature} {kind}: {share} of {parts}");
+    let chance = |share: f64| 3.5 * (share * (1.0 - share) / parts as f64).sqrt();
+    let most = if parts >= 4000 { 0.02 } else { 0.01 + chance(0.95) };
+    for ([held, above], (feature, kind, _)) in coverage(&KNOWN, &KNOWN, parts).into_iter().zip(TOLERANCES) {
+        assert!((held - 0.95).abs() < most, "f{feature} {kind}: {held} of {parts}");
+        assert!(above < 0.025 + chance(0.025), "f{feature} {kind}: {above} of {parts} above");
     }
 }
 
@@ -198,6 +199,7 @@ fn half_the_uncertainty_of_the_squareness_does_not_hold() {
     let [a0z, b0z, c0y] = KNOWN.square;
     let stated = Known { square: [a0z, b0z, 0.5 * c0y], ..KNOWN };
     let shares = coverage(&KNOWN, &stated, share(4000));
-    assert!(shares[2] < 0.85, "perpendicularity: {}", shares[2]);
-    assert!(shares[0] > 0.9 && shares[3] > 0.9, "flatness, size: {shares:?}");
+    let held = |index: usize| shares[index][0];
+    assert!(held(2) < 0.85, "perpendicularity: {}", held(2));
+    assert!(held(0) > 0.9 && held(3) > 0.9, "flatness, size: {shares:?}");
 }
