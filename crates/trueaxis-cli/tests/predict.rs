@@ -113,6 +113,9 @@ fn the_sample_part_as_document_table_and_page() {
     assert_eq!(features.len(), 9);
     let text = folder.good(&call);
     let page = folder.read("page/predict.html");
+    for part in ["Deviations and tolerances", "share of the tolerance in %", "95 % of draws"] {
+        assert!(page.contains(part), "{part}");
+    }
     for feature in features {
         let budget = feature["budget"].as_array().unwrap();
         let share = |one: &Value| one["share"].as_f64().unwrap();

@@ -20,8 +20,9 @@ The part's file states where the program's zero is in the machine, the lines of 
   [[feature]] with name, kind = circle, hole, line or plane, lines = [first, last]
   [[tolerance]] with feature, kind, and
     limits_um or limits_mm: size, distance (from = another feature)
-    width_um or width_mm: position, straightness, flatness, roundness, parallelism, perpendicularity
-    datums = [...]: position (up to three), parallelism, perpendicularity
+    width_um or width_mm: position, straightness, flatness, roundness, parallelism,
+      perpendicularity, angularity
+    datums = [...]: position (up to three); parallelism, perpendicularity, angularity (one)
 
 The exact geometry of the machine gives the points that are cut, with lost motion by the direction in which each axis \
 arrives, and with corrections as far as their limits in the machine.toml admit. Features are fitted by least squares. \
@@ -71,7 +72,7 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     if let Some(to) = &arguments.report {
         let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]);
         let mut outputs = Outputs::of(inputs);
-        let page = document.shown().page("", report::NO_FIGURES);
+        let page = document.shown().page("", [report::predict::margins(&document)]);
         report::write_to(&mut outputs, &page, to, "predict.html")?;
         outputs.commit()?;
     }

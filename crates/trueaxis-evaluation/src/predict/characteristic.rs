@@ -31,17 +31,20 @@ pub(super) fn check(part: &Part, nominal: &[Nominal]) -> Result<(), FileError> {
         let parallel = (1.0 - cosine).max(0.0).sqrt() < SQUARE;
         let is_edge = |of: &Nominal| matches!(of.kind, FeatureKind::Line | FeatureKind::Plane);
         match tolerance.characteristic {
-            Characteristic::Parallelism | Characteristic::Perpendicularity => {
+            Characteristic::Parallelism | Characteristic::Perpendicularity | Characteristic::Angularity => {
                 let same = own.kind == other.kind
                     && (own.kind == FeatureKind::Plane || own.normal.cross(other.normal).length() < SQUARE);
                 if !same {
                     let found = format!("{name} with the datum {datum}");
                     return refuse(found, "two planes, or two lines cut in the same of G17, G18 and G19");
                 }
-                let wanted = tolerance.characteristic == Characteristic::Parallelism;
-                if !(if wanted { parallel } else { cosine < SQUARE }) {
+                let (is_so, needed) = match tolerance.characteristic {
+                    Characteristic::Parallelism => (parallel, "0 degrees as programmed"),
+                    Characteristic::Perpendicularity => (cosine < SQUARE, "90 degrees as programmed"),
+                    _ => (!parallel, "another angle as programmed, or parallelism"),
+                };
+                if !is_so {
                     let degrees = cosine.clamp(0.0, 1.0).acos().to_degrees();
-                    let needed = if wanted { "0 degrees as programmed" } else { "90 degrees as programmed" };
                     return refuse(format!("{degrees:.4} degrees between {name} and {datum}"), needed);
                 }
             }
@@ -70,13 +73,14 @@ pub(super) fn value(tolerance: &Tolerance, nominal: &[Nominal], fitted: &[Fitted
             let aligned = Alignment::to(&tolerance.datums, nominal, fitted).of(is.centre, was.centre);
             2.0 * (aligned - was.centre).reject_from_normalized(was.normal).length()
         }
-        Characteristic::Parallelism | Characteristic::Perpendicularity => {
-            let facing = fitted[datum].facing;
-            let direction = match (tolerance.characteristic, was.kind) {
-                (Characteristic::Parallelism, _) => facing,
-                // Across the datum, in the plane of both lines, or as close to the plane's own normal as the datum allows.
-                (_, FeatureKind::Line) => was.normal.cross(facing).normalize(),
-                _ => is.facing.reject_from(facing).normalize(),
+        Characteristic::Parallelism | Characteristic::Perpendicularity | Characteristic::Angularity => {
+            let (datum, cosine) = (fitted[datum].facing, was.facing().dot(nominal[datum].facing()));
+            // At the programmed angle to the datum, else as close to the feature's own normal as that allows.
+            let across = is.facing.reject_from_normalized(datum).normalize_or_zero();
+            let direction = match tolerance.characteristic {
+                Characteristic::Parallelism => datum,
+                Characteristic::Perpendicularity => across,
+                _ => cosine * datum + (1.0 - cosine * cosine).max(0.0).sqrt() * across,
             };
             range(points[own].iter().map(|point| point.dot(direction)))
         }

@@ -62,11 +62,13 @@ pub enum Characteristic {
     Parallelism,
     /// Width of the zone perpendicular to the datum.
     Perpendicularity,
+    /// Width of the zone at the programmed angle to the datum.
+    Angularity,
 }
 
 impl Characteristic {
     /// All of them with their names in a file.
-    pub const NAMES: [(&'static str, Characteristic); 8] = [
+    pub const NAMES: [(&'static str, Characteristic); 9] = [
         ("size", Characteristic::Size),
         ("distance", Characteristic::Distance),
         ("position", Characteristic::Position),
@@ -75,6 +77,7 @@ impl Characteristic {
         ("roundness", Characteristic::Roundness),
         ("parallelism", Characteristic::Parallelism),
         ("perpendicularity", Characteristic::Perpendicularity),
+        ("angularity", Characteristic::Angularity),
     ];
 
     /// Name in a file.
@@ -95,7 +98,9 @@ impl Characteristic {
             Characteristic::Position => &[Circle, Hole],
             Characteristic::Straightness => &[Line],
             Characteristic::Flatness => &[Plane],
-            Characteristic::Parallelism | Characteristic::Perpendicularity => &[Line, Plane],
+            Characteristic::Parallelism | Characteristic::Perpendicularity | Characteristic::Angularity => {
+                &[Line, Plane]
+            }
             Characteristic::Distance => &[Circle, Hole, Line, Plane],
         }
     }
@@ -104,8 +109,11 @@ impl Characteristic {
     fn datums(self) -> [usize; 2] {
         match self {
             Characteristic::Position => [0, 3],
-            Characteristic::Parallelism | Characteristic::Perpendicularity | Characteristic::Distance => [1, 1],
-            _ => [0, 0],
+            Characteristic::Size
+            | Characteristic::Roundness
+            | Characteristic::Straightness
+            | Characteristic::Flatness => [0, 0],
+            _ => [1, 1],
         }
     }
 }

@@ -19,8 +19,10 @@ const KNOWN: Known =
     Known { shift: 0.4e-3, turn: 2e-6, square: [3e-6, 3e-6, 40e-6], scale: 4e-6, play: 0.8e-3, approach: 0.3e-3 };
 const CENTRE: V = [60.0, 40.0, -10.0];
 const HOLES: [V; 2] = [[15.0, 15.0, -15.0], [105.0, 65.0, -15.0]];
-/// Indices of the features: top, front, left, bore, the holes.
-const COUNT: usize = 6;
+/// A bevelled corner, cut at about 30° to the front edge.
+const BEVEL: [V; 2] = [[128.0, 68.0, -12.0], [92.0, 88.785, -12.0]];
+/// Number of the features: top, front, left, bore, two holes, bevel.
+const COUNT: usize = 7;
 
 /// A plate: top, front and left edge, a bore, two holes; which lines cut them.
 fn plate() -> (Vec<Step>, Vec<[usize; 2]>) {
@@ -45,6 +47,7 @@ fn plate() -> (Vec<Step>, Vec<[usize; 2]>) {
         steps.extend([Step::Rapid([x, y, 20.0]), Step::Rapid([x, y, 2.0]), Step::Line([x, y, z], Some(feature))]);
         steps.push(Step::Rapid([x, y, 20.0]));
     }
+    edge(&mut steps, BEVEL[0], BEVEL[1], 6);
     let cuts = |step: &Step, feature: usize| match step {
         Step::Line(_, own) => *own == Some(feature),
         Step::Turn(_, own) => *own == feature,
@@ -60,7 +63,7 @@ fn plate() -> (Vec<Step>, Vec<[usize; 2]>) {
 }
 
 /// The tolerances: feature, kind, the rest of the section.
-const TOLERANCES: [(usize, &str, &str); 10] = [
+const TOLERANCES: [(usize, &str, &str); 11] = [
     (0, "flatness", "width_um = 30"),
     (1, "straightness", "width_um = 5"),
     (2, "perpendicularity", "datums = [\"f1\"]\nwidth_um = 8"),
@@ -71,12 +74,13 @@ const TOLERANCES: [(usize, &str, &str); 10] = [
     (5, "distance", "from = \"f4\"\nlimits_mm = [-0.02, 0.02]"),
     (4, "position", "width_um = 10"),
     (5, "distance", "from = \"f1\"\nlimits_um = [-5, 5]"),
+    (6, "angularity", "datums = [\"f1\"]\nwidth_um = 8"),
 ];
 
 fn part(lines: &[[usize; 2]]) -> String {
     let mut text = format!("name = \"plate\"\nat_mm = {AT:?}\n");
     for (feature, [from, to]) in lines.iter().enumerate() {
-        let kind = ["plane", "line", "line", "circle", "hole", "hole"][feature];
+        let kind = ["plane", "line", "line", "circle", "hole", "hole", "line"][feature];
         text += &format!("[[feature]]\nname = \"f{feature}\"\nkind = \"{kind}\"\nlines = [{from}, {to}]\n");
     }
     for (feature, kind, rest) in TOLERANCES {
@@ -87,14 +91,17 @@ fn part(lines: &[[usize; 2]]) -> String {
 
 /// The part predicted on the stated machine with these uncertainties.
 fn predicted(known: Option<&Known>) -> PredictDocument {
+    predict_part(known, &part(&plate().1)).unwrap()
+}
+
+fn predict_part(known: Option<&Known>, part: &str) -> anyhow::Result<PredictDocument> {
     let files = Memory::new(Errors::stated().files(known));
     let toml = Path::new("machine.toml");
     let machine = Machine::read_from(&files, toml, &mut |_| {}).unwrap();
     let stated = Uncertainties::read_from(&files, toml).unwrap();
-    let (steps, lines) = plate();
-    let program = Program::parse("plate", &program(&steps), "plate.ngc").unwrap();
-    let part = Part::read(&part(&lines), Path::new("part.toml")).unwrap();
-    predict(&machine, &stated, &program, &part, Options { seed: 7, ..Options::default() }).unwrap()
+    let program = Program::parse("plate", &program(&plate().0), "plate.ngc").unwrap();
+    let part = Part::read(part, Path::new("part.toml"))?;
+    predict(&machine, &stated, &program, &part, Options { trials: share(10_000).max(2_000) as u64, seed: 7 })
 }
 
 /// Measures the tolerances of a part, µm.
@@ -113,6 +120,10 @@ fn measure(features: &[Vec<[V; 2]>]) -> Vec<f64> {
     let apart = |[ax, ay]: [f64; 2], [bx, by]: [f64; 2]| (ax - bx).hypot(ay - by);
     let nominal = apart([HOLES[0][0], HOLES[0][1]], [HOLES[1][0], HOLES[1][1]]);
     let edge = (two[1] - fy) * ux - (two[0] - fx) * uy - (HOLES[1][1] + 5.0);
+    // Across the bevel as programmed, turned with the front edge.
+    let [bx, by] = [BEVEL[1][0] - BEVEL[0][0], BEVEL[1][1] - BEVEL[0][1]];
+    let [bx, by] = [-by / bx.hypot(by), bx / bx.hypot(by)];
+    let across_bevel = [bx * ux - by * uy, bx * uy + by * ux];
     let mm = [
         flatness(&features[0]),
         front,
@@ -124,6 +135,7 @@ fn measure(features: &[Vec<[V; 2]>]) -> Vec<f64> {
         apart(one, two) - nominal,
         2.0 * apart(one, [HOLES[0][0], HOLES[0][1]]),
         edge,
+        along(&features[6], across_bevel),
     ];
     mm.map(|mm| 1e3 * mm).to_vec()
 }
@@ -202,4 +214,26 @@ fn half_the_uncertainty_of_the_squareness_does_not_hold() {
     let held = |index: usize| shares[index][0];
     assert!(held(2) < 0.85, "perpendicularity: {}", held(2));
     assert!(held(0) > 0.9 && held(3) > 0.9, "flatness, size: {shares:?}");
+}
+
+/// "row" is a row of the top as a line, parallel to the front edge.
+#[test]
+fn orientations_that_the_program_does_not_have_are_refused() {
+    let part = part(&plate().1);
+    let line = part.lines().count() + 6;
+    let row = "[[feature]]\nname = \"row\"\nkind = \"line\"\nlines = [4, 4]\n";
+    for (feature, kind, datum, found) in [
+        ("f1", "angularity", "row", "0.0000 degrees between f1 and row, needed another angle as programmed"),
+        ("f2", "parallelism", "f1", "90.0000 degrees between f2 and f1, needed 0 degrees as programmed"),
+        ("f6", "perpendicularity", "f1", "30.0005 degrees between f6 and f1, needed 90 degrees as programmed"),
+        ("f6", "angularity", "f0", "f6 with the datum f0, needed two planes, or two lines"),
+        ("f6", "angularity", "f3", "f6 with the datum f3, needed two planes, or two lines"),
+        ("f1", "angularity", "f6", "the datum f6, cut in lines"),
+    ] {
+        let tolerance = format!(
+            "[[tolerance]]\nfeature = \"{feature}\"\nkind = \"{kind}\"\ndatums = [\"{datum}\"]\nwidth_um = 8\n"
+        );
+        let error = predict_part(None, &format!("{part}{row}{tolerance}")).unwrap_err().to_string();
+        assert!(error.contains(&format!("part.toml:{line}")) && error.contains(found), "{error}");
+    }
 }
