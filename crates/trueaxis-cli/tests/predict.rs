@@ -175,3 +175,37 @@ fn bad_parts_are_refused_with_file_and_line() {
     write(&folder, OTHERS, PROGRAM, &part("program = \"two.ngc\"\n", ""));
     folder.bad(&["predict", ".", "part.toml"], &["program", "--program"]);
 }
+
+/// The sample's part.toml was written by hand.
+#[test]
+fn the_features_of_the_sample_part_are_found_and_can_be_predicted() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let folder = Folder::new(TRUEAXIS);
+    folder.copy(&root.join("records/plate"), ".");
+    let by_hand = folder.read("part.toml");
+    let tolerances = by_hand.find("[[tolerance]]").unwrap();
+    let head = by_hand.find("[[feature]]").unwrap();
+    let machine = root.join("compensation-tables/mill-3axis").display().to_string();
+    folder.write("part.toml", &by_hand[..head]);
+    folder.bad(&["predict", &machine, "part.toml"], &["part.toml: key tolerance: found nothing, needed at least one"]);
+    let found = folder.good(&["predict", &machine, "part.toml", "--find"]);
+    // The same kinds and lines in the same order; part.toml leaves out the fourth hole.
+    let of = |text: &str| -> Vec<String> {
+        let keys = |line: &&str| line.starts_with("kind") || line.starts_with("lines");
+        text.lines().filter(keys).map(String::from).collect()
+    };
+    let wanted = [of(&by_hand[head..tolerances]), vec!["kind = \"hole\"".into(), "lines = [36, 36]".into()]].concat();
+    assert_eq!(of(&found), wanted);
+    let names = [("top", "plane 1"), ("front", "line 1"), ("left", "line 2"), ("bore", "circle 1")];
+    let renamed = names.iter().fold(by_hand[tolerances..].to_owned(), |text, (from, to)| {
+        text.replace(&format!("\"{from}\""), &format!("\"{to}\""))
+    });
+    let call = ["predict", &machine, "part.toml", "--json", "--trials", "200"];
+    folder.write("part.toml", format!("{}{found}{renamed}", &by_hand[..head]));
+    let value = |document: &Value| {
+        document["features"].as_array().unwrap().iter().map(|of| of["uncorrected_um"].clone()).collect::<Vec<_>>()
+    };
+    let with_found = value(&folder.json(&call));
+    folder.write("part.toml", &by_hand);
+    assert_eq!(with_found, value(&folder.json(&call)));
+}

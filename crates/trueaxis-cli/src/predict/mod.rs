@@ -1,11 +1,11 @@
 //! `trueaxis predict`.
 
-use crate::output::{json, print};
+use crate::output::{data, json, print};
 use crate::{model, report};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
-use trueaxis_evaluation::predict::{Options, Part, predict};
+use trueaxis_evaluation::predict::{Options, Part, find, predict, sections};
 use trueaxis_sim::program::{Program, ReadOptions, Source};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::uncertainty::Uncertainties;
@@ -30,6 +30,9 @@ Machines drawn from the uncertainties in the machine.toml (see `trueaxis uncerta
 true value with 95 %. A feature conforms if this interval is within the tolerance, does not conform if it is outside, and is \
 otherwise undecided (ISO 14253-1). Verdicts, uncertainties and contributions are those of the corrected part.
 
+--find is a start for the part's file, which then needs only name, program and at_mm. It finds full circles, holes, planes \
+milled line by line, and straight lines in the plane of G17, G18 or G19; delete those that are not finished surfaces.
+
 Sizes are those of a tool of exactly its nominal diameter.";
 
 #[derive(Args)]
@@ -49,6 +52,9 @@ pub(crate) struct PredictArgs {
     /// Seed of the machines drawn; the same seed draws the same machines.
     #[arg(long, value_name = "SEED", default_value_t = Options::default().seed)]
     seed: u64,
+    /// Print the features that the program cuts, as sections for the part's file, and predict nothing.
+    #[arg(long, conflicts_with_all = ["json", "report"])]
+    find: bool,
     /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -65,6 +71,10 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     };
     let source = Source::read(&path)?;
     let program = Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(&path))?;
+    if arguments.find {
+        let found = sections(&find(&program));
+        return data(if found.is_empty() { "# no feature found\n" } else { found.trim_start() });
+    }
     let machine = model::source(&arguments.machine)?;
     let stated = Uncertainties::read(&arguments.machine)?;
     let options = Options { trials: arguments.trials, seed: arguments.seed };

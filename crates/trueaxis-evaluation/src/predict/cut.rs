@@ -60,7 +60,30 @@ pub(super) struct Cut {
     /// Normal of the plane that is active where it is cut.
     pub(super) normal: DVec3,
     /// Centre and radius of a circle.
-    pub(super) circle: Option<(DVec3, f64)>,
+    pub(super) circle: Option<Circle>,
+}
+
+/// A circle in the program.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Circle {
+    pub(super) centre: DVec3,
+    pub(super) radius: f64,
+}
+
+impl Circle {
+    /// Whether another circle is the same within the rounding of a program.
+    pub(super) fn is_near(&self, other: &Circle) -> bool {
+        (self.centre - other.centre).length() <= NEAR && (self.radius - other.radius).abs() <= NEAR
+    }
+}
+
+/// The circle of an arc; none for another curve or a helix.
+pub(super) fn circle_of(step: &Move) -> Option<Circle> {
+    let Curve::Arc { start, end, center, normal, .. } = &step.curve else { return None };
+    let [start, end, center, axis] = [start, end, center, normal].map(|point| DVec3::from(*point));
+    let centre = center + axis * (start - center).dot(axis);
+    let is_level = (end - centre).dot(axis).abs() <= NEAR;
+    is_level.then(|| Circle { centre, radius: (start - centre).length() })
 }
 
 /// The machine's own axes in its order, for [`Geometry`].
@@ -194,7 +217,7 @@ fn parameters(step: &Move, spacing: Option<f64>) -> Vec<f64> {
 }
 
 /// Angle of an arc, rad.
-fn turn(arc: &Curve) -> f64 {
+pub(super) fn turn(arc: &Curve) -> f64 {
     let (Curve::Arc { center, .. }, (first, last)) = (arc, arc.domain()) else { return std::f64::consts::TAU };
     let [start, end] = [first, last].map(|u| DVec3::from(arc.position(u)));
     let radius = 0.5 * ((start - DVec3::from(*center)).length() + (end - DVec3::from(*center)).length());
@@ -254,16 +277,12 @@ fn found(program: &Program, part: &Part, feature: &Feature) -> Result<Cut> {
         return Err(refuse(other, "another line that cuts between them", "lines that cut one after the other"));
     }
     let normal = DVec3::from(step.plane_normal);
-    let mut circle = None;
+    let mut circle: Option<Circle> = None;
     for (_, step) in &cutting {
         match (feature.kind, &step.curve) {
-            (FeatureKind::Circle, Curve::Arc { start, end, center, normal: axis, .. }) => {
-                let (centre, axis) = (DVec3::from(*center), DVec3::from(*axis));
-                let centre = centre + axis * (DVec3::from(*start) - centre).dot(axis);
-                let radius = (DVec3::from(*start) - centre).length();
-                let (own, own_radius) = *circle.get_or_insert((centre, radius));
-                let level = DVec3::from(*end).dot(axis) - own.dot(axis);
-                if (centre - own).length() > NEAR || (radius - own_radius).abs() > NEAR || level.abs() > NEAR {
+            (FeatureKind::Circle, Curve::Arc { .. }) => {
+                let own = circle_of(step).filter(|own| circle.get_or_insert(*own).is_near(own));
+                if own.is_none() {
                     return Err(refuse(step, "an arc about another centre", "arcs of one circle"));
                 }
             }

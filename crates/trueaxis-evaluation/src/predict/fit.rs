@@ -1,6 +1,6 @@
 //! Least-squares features through the points that are cut (ISO 14405-1, ISO 12180 to 12781: association by least squares).
 
-use super::cut::{Cut, NEAR};
+use super::cut::{Circle, Cut, NEAR};
 use super::part::FeatureKind;
 use anyhow::{Result, anyhow};
 use glam::{DMat3, DVec3};
@@ -50,7 +50,7 @@ impl Nominal {
         let mut nominal = Nominal { kind: cut.kind, centre: middle, normal: cut.normal, along, size };
         match cut.kind {
             FeatureKind::Circle => {
-                let (centre, radius) = cut.circle.unwrap_or((middle, size));
+                let Circle { centre, radius } = cut.circle.unwrap_or(Circle { centre: middle, radius: size });
                 nominal = Nominal { centre, size: radius, along: cut.normal.any_orthonormal_vector(), ..nominal };
             }
             FeatureKind::Hole => {

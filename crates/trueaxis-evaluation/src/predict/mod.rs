@@ -22,12 +22,14 @@
 mod characteristic;
 mod cut;
 mod document;
+mod find;
 mod fit;
 mod part;
 mod shown;
 mod unknowns;
 
 pub use document::{Contribution, Known, PredictDocument, Predicted};
+pub use find::{find, sections};
 pub use part::{Characteristic, Feature, FeatureKind, Part, Tolerance};
 
 use crate::uncertainty::terms::Terms;
@@ -70,7 +72,7 @@ impl Default for Options {
 /// Without any uncertainty stated, only the deviations are predicted.
 ///
 /// # Errors
-/// A number of draws out of its range; a machine without X, Y or Z, or that the model refuses; a program that turns rotary axes or leaves the travel; features
+/// A number of draws out of its range; a part without tolerances; a machine without X, Y or Z, or that the model refuses; a program that turns rotary axes or leaves the travel; features
 /// that their lines do not cut; datums that are not made before the features that refer to them.
 pub fn predict(
     machine: &Machine,
@@ -81,6 +83,9 @@ pub fn predict(
 ) -> Result<PredictDocument> {
     if !(CHECKED..=MOST_TRIALS).contains(&options.trials) {
         bail!("trials: found {}, needed {CHECKED} to {MOST_TRIALS}", options.trials);
+    }
+    if part.tolerances.is_empty() {
+        bail!("{}: key tolerance: found nothing, needed at least one section [[tolerance]]", part.file.display());
     }
     let (cuts, clipped) = cut::features(machine, program, part)?;
     let nominal = nominal(program, part, &cuts)?;

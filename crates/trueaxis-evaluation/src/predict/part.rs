@@ -169,14 +169,14 @@ impl Part {
             if at.value.iter().any(|q| q.abs() > 1e5) {
                 return Err(root.wrong(&at, "at most 100000 mm"));
             }
-            let features = some(&root, "feature")?.into_iter().map(read_feature).collect::<Result<Vec<_>, _>>()?;
+            let features = all(&root, "feature")?.into_iter().map(read_feature).collect::<Result<Vec<_>, _>>()?;
             if let Some(double) =
                 (1..features.len()).find(|k| features[..*k].iter().any(|f| f.name == features[*k].name))
             {
                 let double = &features[double];
                 return Err(root.at(double.line, "feature.name", &double.name, "a name that no other feature has"));
             }
-            let tolerances = some(&root, "tolerance")?;
+            let tolerances = all(&root, "tolerance")?;
             let tolerances =
                 tolerances.into_iter().map(|one| read_tolerance(one, &features)).collect::<Result<_, _>>()?;
             root.finish(None)?;
@@ -191,17 +191,14 @@ impl Part {
     }
 }
 
-/// The sections of this name, at least one.
-fn some<'a>(root: &Section<'a>, key: &str) -> Result<Vec<Section<'a>>, FileError> {
+/// The sections of this name.
+fn all<'a>(root: &Section<'a>, key: &str) -> Result<Vec<Section<'a>>, FileError> {
     let sections = root.sections(key)?;
-    match sections.len() {
-        0 => Err(root.missing(key, &format!("at least one section [[{key}]]"))),
-        1..=MOST => Ok(sections),
-        found => {
-            let last = sections.last().map_or(0, Section::first_line);
-            Err(root.at(last, key, &found.to_string(), format!("at most {MOST} sections")))
-        }
+    if let Some(beyond) = sections.get(MOST) {
+        let found = sections.len().to_string();
+        return Err(root.at(beyond.first_line(), key, &found, format!("at most {MOST} sections")));
     }
+    Ok(sections)
 }
 
 fn read_feature(section: Section<'_>) -> Result<Feature, FileError> {

@@ -6,7 +6,7 @@ use trueaxis_metrology::uncertainty::Interval;
 use trueaxis_report::number::{decimals, shortest};
 
 /// The interval itself: that of a zone is not centred on the predicted width, which uncertainties mostly widen.
-const WITHIN: &str = "95 % of draws, µm";
+const WITHIN: &str = "95 % of draws";
 
 /// Contributions shown of each characteristic.
 const LARGEST: usize = 3;
@@ -20,16 +20,22 @@ impl PredictDocument {
         let mut notes = self.warnings.clone();
         let not_stated = self.not_stated.join(", ");
         let result = if known.is_empty() {
-            notes.push(format!("keys of machine.toml that state uncertainties, none of them found: {not_stated}"));
+            notes.push(format!("machine.toml states none of these keys: {not_stated}"));
             String::from("No verdict: the machine states no standard uncertainty.")
         } else {
             if !not_stated.is_empty() {
                 notes.push(format!("not stated, taken as zero: {not_stated}"));
             }
-            let words = ["conforms", "does not conform", "undecided"].map(|verdict| (verdict, count(verdict)));
+            let verdicts = [
+                ("conforms", ["conforms", "conform"]),
+                ("does not conform", ["does not conform", "do not conform"]),
+                ("undecided", ["is undecided", "are undecided"]),
+            ];
+            let counts = verdicts.map(|(verdict, words)| (count(verdict), words));
+            let counts = counts.into_iter().filter(|(count, _)| *count > 0);
             let parts =
-                words.iter().filter(|(_, count)| *count > 0).map(|(verdict, count)| format!("{count} {verdict}"));
-            format!("Verdicts: {}.", parts.collect::<Vec<_>>().join(", "))
+                counts.map(|(count, [one, several])| format!("{count} {}", if count == 1 { one } else { several }));
+            format!("{}.", parts.collect::<Vec<_>>().join(", "))
         };
         notes.push("servo, temperature while cutting, tool and process are not included".into());
         let [x, y, z] = self.at_mm.map(shortest);
@@ -37,10 +43,10 @@ impl PredictDocument {
             title: "Part before it is cut".into(),
             summary: vec![
                 self.part.clone(),
-                self.program.clone(),
-                self.machine.clone(),
+                format!("program {}", self.program),
+                format!("machine {}", self.machine),
                 format!("program zero at X {x}, Y {y}, Z {z} mm"),
-                format!("{} %", self.confidence_percent),
+                format!("intervals of {} %", self.confidence_percent),
             ],
             result,
             notes,
@@ -51,7 +57,7 @@ impl PredictDocument {
 
     fn verdicts(&self) -> Table {
         let has_known = self.features.iter().any(|of| of.known.is_some());
-        let head = ["feature", "tolerance, µm", "uncorrected, µm", "corrected, µm"].into_iter();
+        let head = ["feature", "tolerance", "uncorrected", "corrected"].into_iter();
         let head = head
             .chain(if has_known { &[EXPANDED, WITHIN, "in tolerance, %", "verdict"][..] } else { &[] }.iter().copied());
         let rows = self.features.iter().map(|of| {
@@ -65,7 +71,7 @@ impl PredictDocument {
             }
             row
         });
-        Table::new("Features", head, rows.collect::<Vec<_>>())
+        Table::new("Features, µm", head, rows.collect::<Vec<_>>())
     }
 }
 
