@@ -6,7 +6,7 @@ mod plant;
 use measured::{along, circle, flatness, hole, levelled, line};
 use plant::{Errors, Known, Place, Step, V, approaches, cut, program, run};
 use std::path::Path;
-use trueaxis_evaluation::predict::{Options, Part, PredictDocument, predict};
+use trueaxis_evaluation::predict::{Options, Part, PredictDocument, find, predict};
 use trueaxis_sim::program::Program;
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
@@ -236,4 +236,27 @@ fn orientations_that_the_program_does_not_have_are_refused() {
         let error = predict_part(None, &format!("{part}{row}{tolerance}")).unwrap_err().to_string();
         assert!(error.contains(&format!("part.toml:{line}")) && error.contains(found), "{error}");
     }
+}
+
+/// A rectangle with one rounded corner, entered from above; an arc of half a turn; a circle in two arcs; a helix; a hole
+/// drilled in two strokes; a row and its way back at another height.
+#[test]
+fn what_a_contour_an_arc_and_a_helix_are_found_as() {
+    let text = "G21 G90 G17 G94 F600\nG0 X0 Y0 Z5\nG1 Z-2\nX50\nY20\nG3 X40 Y30 I-10 J0\nG1 X0\nY0\nG0 Z5\n\
+                G0 X100\nG3 X120 I10 J0\nG0 X140\nG2 X160 I10 J0\nX140 I-10 J0\nG0 X200\nG3 X200 Z-1 I10 J0\nG0 Z5\n\
+                G83 X5 Y5 Z-4 R2 Q3\nG80\nG0 X0 Y60\nG1 X50\nZ4\nX0\nM2\n";
+    let program = Program::parse("contour", text, "contour.ngc").unwrap();
+    let found: Vec<String> =
+        find(&program).iter().map(|of| format!("{} {}-{}", of.name, of.lines[0], of.lines[1])).collect();
+    let wanted = [
+        "line 1 4-4",
+        "line 2 5-5",
+        "line 3 7-7",
+        "line 4 8-8",
+        "circle 1 13-14",
+        "hole 1 18-18",
+        "line 5 21-21",
+        "line 6 23-23",
+    ];
+    assert_eq!(found, wanted);
 }
