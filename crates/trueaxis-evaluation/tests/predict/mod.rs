@@ -91,15 +91,16 @@ fn part(lines: &[[usize; 2]]) -> String {
 
 /// The part predicted on the stated machine with these uncertainties.
 fn predicted(known: Option<&Known>) -> PredictDocument {
-    predict_part(known, &part(&plate().1)).unwrap()
+    let (steps, lines) = plate();
+    predict_part(known, &program(&steps), &part(&lines)).unwrap()
 }
 
-fn predict_part(known: Option<&Known>, part: &str) -> anyhow::Result<PredictDocument> {
+fn predict_part(known: Option<&Known>, program: &str, part: &str) -> anyhow::Result<PredictDocument> {
     let files = Memory::new(Errors::stated().files(known));
     let toml = Path::new("machine.toml");
     let machine = Machine::read_from(&files, toml, &mut |_| {}).unwrap();
     let stated = Uncertainties::read_from(&files, toml).unwrap();
-    let program = Program::parse("plate", &program(&plate().0), "plate.ngc").unwrap();
+    let program = Program::parse("plate", program, "plate.ngc").unwrap();
     let part = Part::read(part, Path::new("part.toml"))?;
     predict(&machine, &stated, &program, &part, Options { trials: share(10_000).max(2_000) as u64, seed: 7 })
 }
@@ -219,7 +220,8 @@ fn half_the_uncertainty_of_the_squareness_does_not_hold() {
 /// "row" is a row of the top as a line, parallel to the front edge.
 #[test]
 fn orientations_that_the_program_does_not_have_are_refused() {
-    let part = part(&plate().1);
+    let (steps, lines) = plate();
+    let (program, part) = (program(&steps), part(&lines));
     let line = part.lines().count() + 6;
     let row = "[[feature]]\nname = \"row\"\nkind = \"line\"\nlines = [4, 4]\n";
     for (feature, kind, datum, found) in [
@@ -233,7 +235,7 @@ fn orientations_that_the_program_does_not_have_are_refused() {
         let tolerance = format!(
             "[[tolerance]]\nfeature = \"{feature}\"\nkind = \"{kind}\"\ndatums = [\"{datum}\"]\nwidth_um = 8\n"
         );
-        let error = predict_part(None, &format!("{part}{row}{tolerance}")).unwrap_err().to_string();
+        let error = predict_part(None, &program, &format!("{part}{row}{tolerance}")).unwrap_err().to_string();
         assert!(error.contains(&format!("part.toml:{line}")) && error.contains(found), "{error}");
     }
 }
@@ -259,4 +261,12 @@ fn what_a_contour_an_arc_and_a_helix_are_found_as() {
         "line 6 23-23",
     ];
     assert_eq!(found, wanted);
+    // Line 16 is the helix, lines 5 and 6 an edge and the corner after it.
+    for (lines, refused) in [("[16, 16]", "plate.ngc:16"), ("[5, 6]", "plate.ngc:5")] {
+        let circle = format!("[[feature]]\nname = \"c\"\nkind = \"circle\"\nlines = {lines}\n");
+        let size = "[[tolerance]]\nfeature = \"c\"\nkind = \"size\"\nlimits_um = [-4, 4]\n";
+        let part = format!("name = \"c\"\nat_mm = [0, 0, 0]\n{circle}{size}");
+        let error = predict_part(None, text, &part).unwrap_err().to_string();
+        assert!(error.contains(refused) && error.contains("needed: arcs of one circle"), "{error}");
+    }
 }
