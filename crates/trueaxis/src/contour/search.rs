@@ -356,7 +356,7 @@ impl<R: Real> ContourSearch<R> {
         let mut sample = state.sample;
         let Some(mut span) = path.span(sample.at.span) else { return };
         let mut local = point(span);
-        // At most COLD_PER_CYCLE rounds. Only with sampling.
+        // At most COLD_PER_CYCLE rounds.
         for number in first..first + COLD_PER_CYCLE {
             let mut by = if number < COLD_BEHIND { -spacing } else { spacing };
             if number == COLD_BEHIND {

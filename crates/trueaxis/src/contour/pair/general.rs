@@ -357,7 +357,6 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         way(&self.on.path, base, foot).map_or(self.max_lag + self.max_lag, |way| self.place - way)
     }
 
-    // Only with resolving. Never both sampling and resolving in one step.
     /// Finds both feet, starting from those of the frame; they stay `None` without a path.
     fn resolve(
         &mut self,
