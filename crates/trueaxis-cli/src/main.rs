@@ -23,6 +23,7 @@ mod machine_folder;
 mod model;
 mod numbers;
 mod output;
+mod predict;
 mod predict_servo;
 mod probe_angles;
 mod probes;
@@ -134,6 +135,9 @@ enum Command {
     /// Identify the friction of two axes, and their drives' figures, from recorded circles.
     #[command(before_help = friction::EXAMPLE, after_help = friction::HELP)]
     Friction(friction::Friction),
+    /// Predict the features of a part before it is cut: deviations, uncertainties, verdicts on their tolerances.
+    #[command(before_help = predict::EXAMPLE, after_help = predict::HELP)]
+    Predict(predict::PredictArgs),
     /// Bound the contour error that the servo may leave along a program where the drives' figures are not known exactly.
     #[command(before_help = predict_servo::EXAMPLE, after_help = predict_servo::HELP)]
     PredictServo(predict_servo::PredictServoArgs),
@@ -177,6 +181,7 @@ fn main() -> ExitCode {
         Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Friction(arguments) => friction::run(&arguments),
+        Command::Predict(arguments) => predict::run(&arguments),
         Command::PredictServo(arguments) => predict_servo::run(&arguments),
         Command::Learn(arguments) => learn::run(&arguments),
         Command::Thermal(command) => thermal::run(command),

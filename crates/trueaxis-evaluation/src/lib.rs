@@ -26,6 +26,8 @@ pub mod model;
 pub mod path;
 pub mod points;
 pub mod positions;
+#[cfg(feature = "simulated")]
+pub mod predict;
 pub mod probe_angles;
 pub mod probe_places;
 pub mod probes;

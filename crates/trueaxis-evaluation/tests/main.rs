@@ -7,6 +7,8 @@ mod field;
 mod helicoid;
 mod plane;
 mod points;
+#[cfg(feature = "simulated")]
+mod predict;
 mod r_test;
 mod shop_tests;
 mod shown_types;

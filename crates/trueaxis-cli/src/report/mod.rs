@@ -2,6 +2,7 @@
 
 pub(crate) mod helicoid;
 pub(crate) mod identify;
+pub(crate) mod predict;
 pub(crate) mod uncertainty;
 
 use anyhow::Result;

@@ -20,11 +20,11 @@
 mod bands;
 mod covariance;
 mod document;
-mod monte_carlo;
+pub(crate) mod monte_carlo;
 mod options;
 mod sensitivity;
 mod shown;
-mod terms;
+pub(crate) mod terms;
 
 pub use bands::{band_factor, expanded};
 pub use covariance::{CovarianceDocument, Estimate};

@@ -1,7 +1,7 @@
 //! Machines drawn from the uncertainties, evaluated through the exact geometry.
 
 use super::options::Options;
-use super::terms::{Effect, Terms};
+use super::terms::{Along, Effect, Term, Terms};
 use crate::compensate::{Place, Settings, with_model};
 use crate::contributions::Source;
 use anyhow::{Result, anyhow};
@@ -51,14 +51,13 @@ pub(super) fn draw(
         .collect();
     let trial = |number: u64| {
         let mut draws = Draws::new(options.seed, number);
-        let (drawn, along) = machine_of(machine, terms, &mut draws);
+        let (drawn, along) = machine_of(machine, terms, &values(terms, &mut draws));
         let geometry = Geometry::new(&drawn, 0.0).map_err(|error| anyhow!("{error}"))?;
         let deviations = places.iter().zip(&stated).map(|(place, (sent, command, left))| {
             let mut sent = *sent;
-            for (axis, constant, per_length, datum) in &along {
-                let index = axis.index();
-                let moved = constant + per_length * (place[index] - datum);
-                sent[index] += if axis.is_rotary() { moved.to_degrees() } else { moved };
+            for one in &along {
+                let index = one.axis.index();
+                sent[index] += one.moves(place[index], reverse[index]);
             }
             let tip = geometry.pose_error_of(command, &slots(&sent), &reverse).tip_mm;
             std::array::from_fn(|i| tip[i] - left[i])
@@ -69,32 +68,38 @@ pub(super) fn draw(
     Ok((0..places.len()).map(|place| trials.iter().map(|trial| trial[place]).collect()).collect())
 }
 
-/// Constant and slope of an axis' error along itself, and the datum of the slope.
-type Moved = (Axis, f64, f64, f64);
-
-/// A machine consistent with the stated one and its uncertainties; errors of the axes along themselves are returned
-/// separately.
-fn machine_of(machine: &Machine, terms: &Terms, draws: &mut Draws) -> (Machine, Vec<Moved>) {
-    let (mut drawn, mut along) = (machine.clone(), Vec::new());
-    for term in &terms.all {
+/// Values of the quantities in units of their standard uncertainties, in the order of the terms: one for each, and one for
+/// every point of a column.
+pub(crate) fn values(terms: &Terms, draws: &mut Draws) -> Vec<Vec<f64>> {
+    let of = |term: &Term| {
         let nu = term.degrees_of_freedom;
         match &term.effect {
-            Effect::Along(axes) => {
-                let z = draws.student(nu);
-                along.extend(axes.iter().map(|one| (one.axis, z * one.constant, z * one.per_length, one.datum)));
+            Effect::Points { of, .. } => {
+                let spread = draws.spread(nu);
+                of.iter().map(|_| spread * draws.normal()).collect()
             }
+            Effect::Along(_) | Effect::Cosine(..) | Effect::Location(..) => vec![draws.student(nu)],
+        }
+    };
+    terms.all.iter().map(of).collect()
+}
+
+/// The machine with its quantities shifted by these [`values`]; errors of the axes along themselves are returned separately.
+pub(crate) fn machine_of(machine: &Machine, terms: &Terms, values: &[Vec<f64>]) -> (Machine, Vec<Along>) {
+    let (mut drawn, mut along) = (machine.clone(), Vec::new());
+    for (term, values) in terms.all.iter().zip(values) {
+        let z = values.first().copied().unwrap_or(0.0);
+        match &term.effect {
+            Effect::Along(axes) => along.extend(axes.iter().map(|one| one.times(z))),
             Effect::Cosine(one, inclined) => {
-                let inclined = inclined * draws.student(nu);
-                along.push((one.axis, 0.0, 0.5 * inclined * inclined, one.datum));
+                along.push(Along { constant: 0.0, per_length: 0.5 * (inclined * z).powi(2), ..*one });
             }
             Effect::Points { axis, component, of } => {
-                let spread = draws.spread(nu);
                 let slot = machine.settings.axes.iter().position(|own| own.axis == *axis);
                 let Some(Some(table)) = slot.and_then(|slot| drawn.tables.get_mut(slot)) else { continue };
-                for (row, u) in table.rows.iter_mut().zip(of) {
-                    let by = u * spread * draws.normal();
-                    row.forward[*component] += by;
-                    row.reverse[*component] += by;
+                for (row, (u, z)) in table.rows.iter_mut().zip(of.iter().zip(values)) {
+                    row.forward[*component] += u * z;
+                    row.reverse[*component] += u * z;
                 }
                 let around = wraps(*axis, table.rows.as_slice());
                 if let (true, [first, .., last]) = (around, table.rows.as_mut_slice()) {
@@ -102,14 +107,13 @@ fn machine_of(machine: &Machine, terms: &Terms, draws: &mut Draws) -> (Machine, 
                 }
             }
             Effect::Location(source, u) => {
-                let by = u * draws.student(nu);
                 let location = &mut drawn.settings.location;
                 match source {
                     Source::Squareness(which) => {
-                        *[&mut location.a0z, &mut location.b0z, &mut location.c0y][*which] += by;
+                        *[&mut location.a0z, &mut location.b0z, &mut location.c0y][*which] += u * z;
                     }
                     Source::Location(axis, component) => {
-                        location.rotary[axis.index() - Axis::A.index()][*component] += by;
+                        location.rotary[axis.index() - Axis::A.index()][*component] += u * z;
                     }
                     _ => {}
                 }

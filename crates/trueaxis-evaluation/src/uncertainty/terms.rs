@@ -10,20 +10,31 @@ use trueaxis_tables::{Machine, Table};
 /// Standard uncertainty of ε in a cosine error, ε = m²/(2L²), m normal about zero: the root mean square of m² is √3 u².
 const SQUARED_NORMAL: f64 = 1.732_050_807_568_877_2;
 
+/// Travel in which an error of an axis along itself counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Counts {
+    Always,
+    /// In negative travel.
+    Reverse,
+    /// Always, with another value for every approach.
+    Approach,
+}
+
 /// Error of an axis along itself: constant + per_length (q − datum), of unit variance.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Along {
-    pub(super) axis: Axis,
+pub(crate) struct Along {
+    pub(crate) axis: Axis,
     /// Constant error, mm or rad.
-    pub(super) constant: f64,
+    pub(crate) constant: f64,
     /// Error by length, mm per mm.
-    pub(super) per_length: f64,
-    pub(super) datum: f64,
+    pub(crate) per_length: f64,
+    pub(crate) datum: f64,
+    pub(crate) counts: Counts,
 }
 
 /// Effect of a quantity.
 #[derive(Clone, Debug)]
-pub(super) enum Effect {
+pub(crate) enum Effect {
     /// Error along one axis, or along several with one sign and size for all.
     Along(Vec<Along>),
     /// Misalignment m over a length L: always reads short, by m²/(2L²); `per_length` is its root mean square, the second
@@ -37,18 +48,18 @@ pub(super) enum Effect {
 
 /// A quantity with its name and the degrees of freedom of its standard uncertainty.
 #[derive(Clone, Debug)]
-pub(super) struct Term {
-    pub(super) name: String,
-    pub(super) effect: Effect,
-    pub(super) degrees_of_freedom: f64,
+pub(crate) struct Term {
+    pub(crate) name: String,
+    pub(crate) effect: Effect,
+    pub(crate) degrees_of_freedom: f64,
 }
 
 /// All uncertain quantities of a machine.
-pub(super) struct Terms {
-    pub(super) all: Vec<Term>,
+pub(crate) struct Terms {
+    pub(crate) all: Vec<Term>,
     /// Keys without a value, which count as zero.
-    pub(super) not_stated: Vec<String>,
-    pub(super) warnings: Vec<String>,
+    pub(crate) not_stated: Vec<String>,
+    pub(crate) warnings: Vec<String>,
 }
 
 /// Standard uncertainty of an instrument per length along an axis, mm per mm: calibration, temperature, expansion.
@@ -71,7 +82,22 @@ pub fn reading(instrument: &Instrument) -> f64 {
 }
 
 impl Terms {
-    pub(super) fn new(machine: &Machine, stated: &Uncertainties) -> Result<Terms> {
+    /// # Errors
+    /// No uncertainty above zero.
+    pub(crate) fn new(machine: &Machine, stated: &Uncertainties) -> Result<Terms> {
+        let terms = Terms::stated(machine, stated);
+        if terms.all.is_empty() {
+            bail!(
+                "{}: found no standard uncertainty above zero, needed [uncertainty], [uncertainty.location] or \
+                 [axis.X.uncertainty] in machine.toml",
+                machine.settings.name
+            );
+        }
+        Ok(terms)
+    }
+
+    /// The quantities, none if nothing above zero is stated.
+    pub(crate) fn stated(machine: &Machine, stated: &Uncertainties) -> Terms {
         let mut terms = Terms { all: Vec::new(), not_stated: Vec::new(), warnings: Vec::new() };
         terms.instrument(machine, &stated.instrument);
         let unstated: Vec<AxisUncertainty> =
@@ -93,14 +119,7 @@ impl Terms {
             let of = stated.location.degrees_of(&source.name()).unwrap_or(f64::INFINITY);
             terms.put(key, source.name(), value, of, |u| Effect::Location(source, u));
         }
-        if terms.all.is_empty() {
-            bail!(
-                "{}: found no standard uncertainty above zero, needed [uncertainty], [uncertainty.location] or \
-                 [axis.X.uncertainty] in machine.toml",
-                machine.settings.name
-            );
-        }
-        Ok(terms)
+        terms
     }
 
     /// Adds a quantity if it is stated, otherwise its key to those not stated. Zero counts as stated but has no effect.
@@ -169,14 +188,18 @@ impl Terms {
                 Effect::Along(vec![scaled(own, u)])
             });
         }
-        let constant = |u: f64| Effect::Along(vec![Along { axis, constant: u, per_length: 0.0, datum: 0.0 }]);
-        self.put(key("backlash"), format!("backlash {letter}"), stated.backlash, of("backlash"), constant);
+        let constant = |constant: f64, counts: Counts| {
+            Effect::Along(vec![Along { axis, constant, per_length: 0.0, datum: 0.0, counts }])
+        };
+        self.put(key("backlash"), format!("backlash {letter}"), stated.backlash, of("backlash"), |u| {
+            constant(u, Counts::Reverse)
+        });
         self.put(
             key("repeatability"),
             format!("repeatability {letter}"),
             stated.repeatability,
             of("repeatability"),
-            constant,
+            |u| constant(u, Counts::Approach),
         );
         for (component, along) in Axis::ALL.into_iter().enumerate() {
             let name = format!("E{}{letter}", along.letter());
@@ -202,12 +225,24 @@ impl Terms {
 }
 
 fn scaled(own: &AxisSettings, per_length: f64) -> Along {
-    Along { axis: own.axis, constant: 0.0, per_length, datum: own.thermal.datum }
+    Along { axis: own.axis, constant: 0.0, per_length, datum: own.thermal.datum, counts: Counts::Always }
 }
 
 impl Along {
+    /// The error times a factor.
+    pub(crate) fn times(self, factor: f64) -> Along {
+        Along { constant: factor * self.constant, per_length: factor * self.per_length, ..self }
+    }
+
+    /// What the error adds to the axis' position, mm or degrees; `reverse`: 1 in negative travel, 0 in positive.
+    pub(crate) fn moves(&self, position: f64, reverse: f64) -> f64 {
+        let share = if self.counts == Counts::Reverse { reverse } else { 1.0 };
+        let moved = share * self.at(position);
+        if self.axis.is_rotary() { moved.to_degrees() } else { moved }
+    }
+
     /// Error of unit variance at a position, mm or rad.
-    pub(super) fn at(&self, position: f64) -> f64 {
+    pub(crate) fn at(&self, position: f64) -> f64 {
         self.constant + self.per_length * (position - self.datum)
     }
 }

@@ -24,9 +24,22 @@ pub enum Verdict {
 /// An interval of coverage p leaves at most (1 − p)/2 on the wrong side. The default rule of the standard has a conformance
 /// probability of 95 %: an interval of coverage 90 %; one of 95 % is stricter. Source: ISO 14253-1:2017, clause 5.
 pub fn verdict(interval: Interval, tolerance: f64) -> Verdict {
-    if interval.high <= tolerance {
+    verdict_within(interval, [f64::NEG_INFINITY, tolerance])
+}
+
+/// Decides on a value in `interval` that must lie between two limits; infinite: no limit on that side. Rule as [`verdict`].
+///
+/// ```
+/// use trueaxis_metrology::uncertainty::{Interval, Verdict, verdict_within};
+/// let within = |low, high| verdict_within(Interval { low, high }, [-10.0, 10.0]);
+/// assert_eq!(within(-10.0, 9.0), Verdict::Pass);
+/// assert_eq!(within(9.0, 11.0), Verdict::Undecided);
+/// assert_eq!(within(-14.0, -11.0), Verdict::Fail);
+/// ```
+pub fn verdict_within(interval: Interval, [low, high]: [f64; 2]) -> Verdict {
+    if interval.low >= low && interval.high <= high {
         Verdict::Pass
-    } else if interval.low > tolerance {
+    } else if interval.low > high || interval.high < low {
         Verdict::Fail
     } else {
         Verdict::Undecided

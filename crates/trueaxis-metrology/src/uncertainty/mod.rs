@@ -18,7 +18,7 @@ mod positioning;
 
 pub use budget::{Contribution, Covariance};
 pub use coverage::{Interval, half_width, quantile};
-pub use decision::{Verdict, verdict};
+pub use decision::{Verdict, verdict, verdict_within};
 pub use draws::Draws;
 pub use factor::{chi_squared_quantile, student_factor};
 pub use positioning::{Band, FIGURES, Instrument, Positioning, Take, positioning};

@@ -1,0 +1,90 @@
+//! `trueaxis predict`.
+
+use crate::output::{data, json, print};
+use crate::{model, report};
+use anyhow::{Result, bail};
+use clap::Args;
+use std::path::PathBuf;
+use trueaxis_evaluation::predict::{Options, Part, find, predict, sections};
+use trueaxis_sim::program::{Program, ReadOptions, Source};
+use trueaxis_tables::output::Outputs;
+use trueaxis_tables::uncertainty::Uncertainties;
+
+pub(crate) const EXAMPLE: &str = "\
+Example:
+  trueaxis predict compensation-tables/mill-3axis records/plate/part.toml";
+
+pub(crate) const HELP: &str = "\
+The part's file states where the program's zero is in the machine, the lines of the program that cut each feature, and the tolerances:
+  name, program, at_mm = [X, Y, Z]
+  [[feature]] with name, kind = circle, hole, line or plane, lines = [first, last]
+  [[tolerance]] with feature, kind, and
+    limits_um or limits_mm: size, distance (from = another feature)
+    width_um or width_mm: position, straightness, flatness, roundness, parallelism,
+      perpendicularity, angularity
+    datums = [...]: position (up to three); parallelism, perpendicularity, angularity (one)
+
+The exact geometry of the machine gives the points that are cut, with lost motion by the direction in which each axis \
+arrives, and with corrections as far as their limits in the machine.toml admit. Features are fitted by least squares. \
+Machines drawn from the uncertainties in the machine.toml (see `trueaxis uncertainty`) give the interval that contains the \
+true value with 95 %. A feature conforms if this interval is within the tolerance, does not conform if it is outside, and is \
+otherwise undecided (ISO 14253-1). Verdicts, uncertainties and contributions are those of the corrected part.
+
+--find is a start for the part's file, which then needs only name, program and at_mm. It finds full circles, holes, planes \
+milled line by line, and straight lines in the plane of G17, G18 or G19; delete those that are not finished surfaces.
+
+Sizes are those of a tool of exactly its nominal diameter.";
+
+#[derive(Args)]
+pub(crate) struct PredictArgs {
+    /// machine.toml or its folder.
+    #[arg(value_name = "MACHINE")]
+    machine: PathBuf,
+    /// The part's file.
+    #[arg(value_name = "PART.toml")]
+    part: PathBuf,
+    /// G-code file [default: the part's `program`, beside its file].
+    #[arg(long, value_name = "P.ngc")]
+    program: Option<PathBuf>,
+    /// Number of machines drawn at random, 200 to 1000000.
+    #[arg(long, value_name = "N", default_value_t = Options::default().trials)]
+    trials: u64,
+    /// Seed of the machines drawn; the same seed draws the same machines.
+    #[arg(long, value_name = "SEED", default_value_t = Options::default().seed)]
+    seed: u64,
+    /// Print the features that the program cuts, as sections for the part's file, and predict nothing.
+    #[arg(long, conflicts_with_all = ["json", "report"])]
+    find: bool,
+    /// Print one JSON document instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Write a page: a folder (predict.html) or a file that ends in .html.
+    #[arg(long, value_name = "DIR|FILE")]
+    report: Option<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
+    let part = Part::read(&model::text(&arguments.part)?, &arguments.part)?;
+    let beside = part.program.as_ref().map(|name| arguments.part.with_file_name(name));
+    let Some(path) = arguments.program.clone().or(beside) else {
+        bail!("{}: key program: found nothing, needed a G-code file, or --program", arguments.part.display());
+    };
+    let source = Source::read(&path)?;
+    let program = Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(&path))?;
+    if arguments.find {
+        let found = sections(&find(&program));
+        return data(if found.is_empty() { "# no feature found\n" } else { found.trim_start() });
+    }
+    let machine = model::source(&arguments.machine)?;
+    let stated = Uncertainties::read(&arguments.machine)?;
+    let options = Options { trials: arguments.trials, seed: arguments.seed };
+    let document = predict(&machine, &stated, &program, &part, options)?;
+    if let Some(to) = &arguments.report {
+        let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]);
+        let mut outputs = Outputs::of(inputs);
+        let page = document.shown().page("", [report::predict::margins(&document)]);
+        report::write_to(&mut outputs, &page, to, "predict.html")?;
+        outputs.commit()?;
+    }
+    if arguments.json { json(&document) } else { print(&document.shown().text()) }
+}

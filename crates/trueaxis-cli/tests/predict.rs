@@ -1,0 +1,211 @@
+//! `trueaxis predict` as called.
+
+use serde_json::Value;
+use std::path::Path;
+use trueaxis_testing::command::Folder;
+
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
+
+/// Two holes 60 mm and 80 mm apart, reached in positive and in negative X; lines of the program from 1.
+const PROGRAM: &str = "G21 G90 G17 G94 F200\nG0 X0 Y0 Z10\nG0 X20\nG81 X40 Y20 Z-5 R2\nG80\nG0 X180\nG0 Y100\n\
+                       G81 X100 Y100 Z-5 R2\nG80\nM2\n";
+const PART: &str = "name = \"two\"\nprogram = \"two.ngc\"\nat_mm = [0, 0, -50]\n\
+                    [[feature]]\nname = \"one\"\nkind = \"hole\"\nlines = [4, 4]\n\
+                    [[feature]]\nname = \"two\"\nkind = \"hole\"\nlines = [8, 8]\n\
+                    [[tolerance]]\nfeature = \"two\"\nkind = \"distance\"\nfrom = \"one\"\nlimits_um = [-0.24, 0.24]\n";
+
+/// X, Y 0 to 200 mm, Z −100 to 0 mm, without tables.
+fn write(folder: &Folder, stated: &str, program: &str, part: &str) {
+    folder.write(
+        "machine.toml",
+        format!(
+            "name = \"small\"\nchain = \"w X' Y' b Z t\"\n[axis.X]\ntable = \"x.csv\"\ntravel_mm = [0, 200]\n\
+             hysteresis_um = 0.1\n{stated}"
+        ),
+    );
+    folder.write("x.csv", "X_mm,EXX_um\n0,0\n200,0\n");
+    folder.write("two.ngc", program);
+    folder.write("part.toml", part);
+}
+
+const OTHERS: &str = "[axis.Y]\ntravel_mm = [0, 200]\nhysteresis_um = 0.1\n[axis.Z]\ntravel_mm = [-100, 0]\n";
+
+fn found(stated: &str) -> Value {
+    let folder = Folder::new(TRUEAXIS);
+    write(&folder, stated, PROGRAM, PART);
+    folder.json(&["predict", ".", "part.toml", "--json"])
+}
+
+fn um(of: &Value, key: &str) -> f64 {
+    of["features"][0][key].as_f64().unwrap_or_else(|| panic!("{key}: {of}"))
+}
+
+/// EXY −= C0Y y: over 80 mm of Y the distance of 100 mm changes by −0.6 · 80 C0Y.
+#[test]
+fn squareness_and_its_uncertainty_over_a_diagonal() {
+    let square = format!("{OTHERS}[location]\nC0Y_urad = 50\n[uncertainty.location]\nC0Y_urad = 5\n");
+    let found = found(&square);
+    assert!((um(&found, "uncorrected_um") + 2.4).abs() < 0.001, "{found}");
+    assert!(um(&found, "corrected_um").abs() < 0.001, "{found}");
+    // 1.96 · 0.6 · 80 mm · 5 µrad; limits of one standard uncertainty; 10,000 draws.
+    assert!((um(&found, "expanded_um") - 0.4704).abs() < 0.015, "{found}");
+    assert!((um(&found, "conformance") - 0.6827).abs() < 0.015, "{found}");
+    let feature = &found["features"][0];
+    assert_eq!(feature["verdict"], "undecided");
+    assert_eq!(feature["budget"][0]["term"], "C0Y");
+    assert!(feature["parts_cut"].is_null() && (feature["budget"][0]["share"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+}
+
+/// The second hole is reached in negative X, where the carriage lags: only there does the play count.
+#[test]
+fn lost_motion_follows_the_direction_of_travel() {
+    let found = found(&format!("backlash_um = 2\n{OTHERS}[axis.X.uncertainty]\nbacklash_um = 0.5\n"));
+    assert!((um(&found, "uncorrected_um") - 0.6 * 2.0).abs() < 0.001, "{found}");
+    assert!(um(&found, "corrected_um").abs() < 0.001, "{found}");
+    assert!((um(&found, "expanded_um") - 1.96 * 0.6 * 0.5).abs() < 0.02, "{found}");
+}
+
+/// EXX reaches 400 µm at the travel's end; the limit of 100 µm leaves the correction of 80 µm at X 40 whole, and of the
+/// 200 µm at X 100 it removes half: the second hole is at 99.9 mm plus 0.002 of that.
+#[test]
+fn a_limit_of_the_correction_limits_the_predicted_one() {
+    let folder = Folder::new(TRUEAXIS);
+    let document = |limits: &str| {
+        write(&folder, &format!("{limits}{OTHERS}"), PROGRAM, PART);
+        folder.write("x.csv", "X_mm,EXX_um\n0,0\n200,400\n");
+        folder.json(&["predict", ".", "part.toml", "--json"])
+    };
+    let limited = document("");
+    let left = 99.9 * 1.002 - 40.0;
+    assert!((um(&limited, "corrected_um") - 1e3 * (f64::hypot(left, 80.0) - 100.0)).abs() < 0.01, "{limited}");
+    let warnings = limited["warnings"].to_string();
+    for part in ["axis X", "removes up to 99.", "X100 Y100", "[axis.X.limits] magnitude_um is 100"] {
+        assert!(warnings.contains(part), "{part}: {warnings}");
+    }
+    assert!(folder.good(&["predict", ".", "part.toml"]).contains("[axis.X.limits] magnitude_um is 100"));
+    let whole = document("[axis.X.limits]\nmagnitude_um = 300\n");
+    assert!(um(&whole, "corrected_um").abs() < 0.01 && whole["warnings"].as_array().unwrap().is_empty(), "{whole}");
+}
+
+#[test]
+fn without_uncertainties_there_is_no_verdict_and_the_keys_are_named() {
+    let folder = Folder::new(TRUEAXIS);
+    write(&folder, &format!("{OTHERS}[location]\nC0Y_urad = 50\n"), PROGRAM, PART);
+    let document = folder.json(&["predict", ".", "part.toml", "--json"]);
+    assert!(document["features"][0].get("verdict").is_none(), "{document}");
+    assert!((um(&document, "uncorrected_um") + 2.4).abs() < 0.001, "{document}");
+    let text = folder.good(&["predict", ".", "part.toml"]);
+    for part in ["No verdict: the machine states no standard uncertainty", "axis.X.uncertainty.EXX", "-2.40"] {
+        assert!(text.replace('−', "-").contains(part), "{text}");
+    }
+}
+
+#[test]
+fn the_sample_part_as_document_table_and_page() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let [machine, part] =
+        ["compensation-tables/mill-3axis", "records/plate/part.toml"].map(|name| root.join(name).display().to_string());
+    let folder = Folder::new(TRUEAXIS);
+    let call = ["predict", &machine, &part, "--trials", "400"];
+    let document = folder.json(&[&call[..], &["--json", "--report", "page"]].concat());
+    assert_eq!(folder.json(&[&call[..], &["--json"]].concat()), document, "the same seed");
+    let features = document["features"].as_array().unwrap();
+    assert_eq!(features.len(), 9);
+    let text = folder.good(&call);
+    let page = folder.read("page/predict.html");
+    for part in ["Deviations and tolerances", "share of the tolerance in %", "95 % of draws"] {
+        assert!(page.contains(part), "{part}");
+    }
+    for feature in features {
+        let budget = feature["budget"].as_array().unwrap();
+        let share = |one: &Value| one["share"].as_f64().unwrap();
+        assert!((budget.iter().map(share).sum::<f64>() - 1.0).abs() < 1e-9, "{feature}");
+        assert!(budget.windows(2).all(|pair| share(&pair[0]) >= share(&pair[1])), "{feature}");
+        assert!(feature["parts_cut"].is_null() || feature["parts_cut"] == 400, "{feature}");
+        let end = |name: &str| trueaxis_report::number::decimals(feature["interval_um"][name].as_f64().unwrap(), 2);
+        let interval = format!("{} to {}", end("low"), end("high"));
+        let expanded = trueaxis_report::number::decimals(feature["expanded_um"].as_f64().unwrap(), 2);
+        for shown in [&text, &page] {
+            assert!(shown.contains(&interval), "{feature}");
+            assert!(shown.contains(&expanded) && shown.contains(feature["verdict"].as_str().unwrap()), "{feature}");
+        }
+    }
+    let other = folder.json(&[&call[..], &["--json", "--seed", "2"]].concat());
+    assert_ne!(other["features"][0]["expanded_um"], document["features"][0]["expanded_um"]);
+}
+
+#[test]
+fn bad_parts_are_refused_with_file_and_line() {
+    let folder = Folder::new(TRUEAXIS);
+    let part = |from: &str, to: &str| PART.replace(from, to);
+    let limits = "limits_um = [-0.24, 0.24]";
+    let datums =
+        format!("{PART}[[tolerance]]\nfeature = \"one\"\nkind = \"position\"\ndatums = [\"two\"]\nwidth_um = 5\n");
+    for (part, parts) in [
+        (part(limits, "limits = [-0.24, 0.24]"), &["part.toml:16", "needed a unit, limits_um or limits_mm"][..]),
+        (part(limits, ""), &["part.toml:13", "limits_um", "found nothing"]),
+        (part(limits, "limits_um = [0.24, -0.24]"), &["part.toml:16", "a rising pair"]),
+        (part("lines = [4, 4]", "lines = [3, 3]"), &["part.toml:5", "rapid motion alone", "needed lines that cut one"]),
+        (part("lines = [4, 4]", "lines = [9, 9]"), &["part.toml:5", "no motion in lines 9 to 9"]),
+        (part("lines = [4, 4]", "lines = [4, 3]"), &["part.toml:7", "first and last line"]),
+        (part("lines = [4, 4]", "lines = [4, 8]"), &["two.ngc:4", "needed: one hole"]),
+        (part("lines = [4, 4]", "lines = [400, 400]"), &["part.toml:5", "no motion in lines 400 to 400 of two.ngc"]),
+        (
+            part("kind = \"hole\"\nlines = [4, 4]", "kind = \"circle\"\nlines = [4, 4]"),
+            &["two.ngc:4", "arcs of one circle"],
+        ),
+        (part("from = \"one\"", "from = \"three\""), &["part.toml:15", "needed the name of a feature: one, two"]),
+        (part("kind = \"distance\"", "kind = \"size\""), &["part.toml", "size of a hole", "needed circle"]),
+        (part("name = \"two\"\nkind", "name = \"one\"\nkind"), &["part.toml:9", "no other feature has"]),
+        (part("at_mm = [0, 0, -50]\n", ""), &["at_mm", "found nothing"]),
+        (part("[0, 0, -50]", "[120, 0, -50]"), &["two.ngc:6", "axis X at 300.000 mm", "0 to 200 mm"]),
+        (format!("{PART}colour = 1\n"), &["part.toml:17", "colour"]),
+        (datums, &["part.toml:18", "the datum two, cut in lines 8 to 8", "made before one"]),
+    ] {
+        write(&folder, OTHERS, PROGRAM, &part);
+        folder.bad(&["predict", ".", "part.toml", "--report", "out"], parts);
+    }
+    write(&folder, OTHERS, &PROGRAM.replace("G0 X180", "G0 X180 A5"), PART);
+    folder.bad(&["predict", ".", "part.toml"], &["two.ngc:6", "axis A", "motion of X, Y and Z alone"]);
+    write(&folder, OTHERS, PROGRAM, PART);
+    folder.bad(&["predict", ".", "part.toml", "--trials", "199"], &["trials: found 199, needed 200 to 1000000"]);
+    write(&folder, "[axis.Z]\ntravel_mm = [-100, 0]\n", PROGRAM, PART);
+    folder.write("machine.toml", folder.read("machine.toml").replace("X' Y' b", "X' b"));
+    folder.bad(&["predict", ".", "part.toml"], &["small: found axes X, Z, needed X, Y and Z"]);
+    write(&folder, OTHERS, PROGRAM, &part("program = \"two.ngc\"\n", ""));
+    folder.bad(&["predict", ".", "part.toml"], &["program", "--program"]);
+}
+
+/// The sample's part.toml was written by hand.
+#[test]
+fn the_features_of_the_sample_part_are_found_and_can_be_predicted() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let folder = Folder::new(TRUEAXIS);
+    folder.copy(&root.join("records/plate"), ".");
+    let by_hand = folder.read("part.toml");
+    let tolerances = by_hand.find("[[tolerance]]").unwrap();
+    let head = by_hand.find("[[feature]]").unwrap();
+    let machine = root.join("compensation-tables/mill-3axis").display().to_string();
+    folder.write("part.toml", &by_hand[..head]);
+    folder.bad(&["predict", &machine, "part.toml"], &["part.toml: key tolerance: found nothing, needed at least one"]);
+    let found = folder.good(&["predict", &machine, "part.toml", "--find"]);
+    // The same kinds and lines in the same order; part.toml leaves out the fourth hole.
+    let of = |text: &str| -> Vec<String> {
+        let keys = |line: &&str| line.starts_with("kind") || line.starts_with("lines");
+        text.lines().filter(keys).map(String::from).collect()
+    };
+    let wanted = [of(&by_hand[head..tolerances]), vec!["kind = \"hole\"".into(), "lines = [36, 36]".into()]].concat();
+    assert_eq!(of(&found), wanted);
+    let names = [("top", "plane 1"), ("front", "line 1"), ("left", "line 2"), ("bore", "circle 1")];
+    let renamed = names.iter().fold(by_hand[tolerances..].to_owned(), |text, (from, to)| {
+        text.replace(&format!("\"{from}\""), &format!("\"{to}\""))
+    });
+    let call = ["predict", &machine, "part.toml", "--json", "--trials", "200"];
+    folder.write("part.toml", format!("{}{found}{renamed}", &by_hand[..head]));
+    let value = |document: &Value| {
+        document["features"].as_array().unwrap().iter().map(|of| of["uncorrected_um"].clone()).collect::<Vec<_>>()
+    };
+    let with_found = value(&folder.json(&call));
+    folder.write("part.toml", &by_hand);
+    assert_eq!(with_found, value(&folder.json(&call)));
+}

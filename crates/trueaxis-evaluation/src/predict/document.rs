@@ -1,0 +1,167 @@
+//! The document of a predicted part.
+
+use super::Options;
+use super::unknowns::Model;
+use serde::Serialize;
+use trueaxis_metrology::order::sort_by_number;
+use trueaxis_metrology::uncertainty::{Interval, Verdict, quantile, verdict_within};
+use trueaxis_sim::program::Program;
+
+/// Coverage of the intervals.
+const COVERAGE: f64 = 0.95;
+
+/// The JSON document.
+#[derive(Clone, Debug, Serialize)]
+pub struct PredictDocument {
+    /// Name of the part.
+    pub part: String,
+    /// Name of the program.
+    pub program: String,
+    /// Name of the machine.
+    pub machine: String,
+    /// Program zero in machine coordinates.
+    pub at_mm: [f64; 3],
+    /// Coverage of the intervals.
+    pub confidence_percent: f64,
+    /// Number of machines drawn.
+    pub trials: u64,
+    /// Seed of the draws.
+    pub seed: u64,
+    /// A toleranced characteristic each, in the order of the part.
+    pub features: Vec<Predicted>,
+    /// Keys of the machine that are not stated; their uncertainty counts as zero.
+    pub not_stated: Vec<String>,
+    /// Remarks: on the machine's uncertainties, and on limits that reduce its correction.
+    pub warnings: Vec<String>,
+}
+
+/// A toleranced characteristic of a feature.
+#[derive(Clone, Debug, Serialize)]
+pub struct Predicted {
+    /// Name of the feature.
+    pub feature: String,
+    /// The characteristic.
+    pub kind: &'static str,
+    /// Names of the datums; of a distance: the other feature.
+    pub datums: Vec<String>,
+    /// Predicted value without correction.
+    pub uncorrected_um: f64,
+    /// Predicted value with the machine's correction.
+    pub corrected_um: f64,
+    /// Least and greatest value that the tolerance permits; a zone has no least.
+    pub limits_um: [Option<f64>; 2],
+    /// What the uncertainties of the machine allow to say; absent if it states none.
+    #[serde(flatten)]
+    pub known: Option<Known>,
+}
+
+/// Uncertainty, verdict and budget of a characteristic of the corrected part.
+#[derive(Clone, Debug, Serialize)]
+pub struct Known {
+    /// Expanded uncertainty: half of the interval.
+    pub expanded_um: f64,
+    /// Interval that contains the true value.
+    pub interval_um: Interval,
+    /// Probability that the true value is within the limits, 0 … 1.
+    pub conformance: f64,
+    /// `conforms`, `does not conform` or `undecided`, after ISO 14253-1.
+    pub verdict: &'static str,
+    /// Drawn parts cut by exact transforms that gave the interval; `null` if the derivatives did.
+    pub parts_cut: Option<usize>,
+    /// Contributions, largest first.
+    pub budget: Vec<Contribution>,
+}
+
+/// Contribution of a term of the machine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Contribution {
+    /// Name of the term: of its errors those of ISO 230-1.
+    pub term: String,
+    /// Contribution to the standard uncertainty; their squares add up to its square.
+    pub standard_um: f64,
+    /// Share of the variance, 0 … 1, after the squares of the effects of each quantity alone.
+    pub share: f64,
+}
+
+/// What the draws give for a tolerance, mm.
+pub(super) struct Outcome {
+    pub(super) values: Vec<f64>,
+    /// Whether the values were cut by exact transforms.
+    pub(super) cut: bool,
+    /// Squared contribution of every term, mm².
+    pub(super) contributions: Vec<f64>,
+}
+
+impl PredictDocument {
+    /// `values`: of all tolerances, uncorrected and corrected, mm; `outcomes` is empty without uncertainties.
+    pub(super) fn new(
+        model: &Model<'_>,
+        program: &Program,
+        Options { trials, seed }: Options,
+        [uncorrected, corrected]: [&[f64]; 2],
+        outcomes: Vec<Outcome>,
+    ) -> PredictDocument {
+        let part = model.part;
+        let name = |index: usize| part.features[index].name.clone();
+        let names: Vec<&str> = model.terms.all.iter().map(|term| term.name.as_str()).collect();
+        let mut outcomes = outcomes.into_iter();
+        let features =
+            part.tolerances.iter().zip(uncorrected.iter().zip(corrected)).map(|(of, (without, with))| Predicted {
+                feature: name(of.feature),
+                kind: of.characteristic.name(),
+                datums: of.datums.iter().copied().map(name).collect(),
+                uncorrected_um: 1e3 * without,
+                corrected_um: 1e3 * with,
+                limits_um: of.limits.map(|mm| mm.is_finite().then_some(1e3 * mm)),
+                known: outcomes.next().map(|outcome| outcome.known(of.limits, &names)),
+            });
+        PredictDocument {
+            part: part.name.clone(),
+            program: program.name.clone(),
+            machine: model.machine.settings.name.to_string(),
+            at_mm: part.at_mm,
+            confidence_percent: 100.0 * COVERAGE,
+            trials,
+            seed,
+            features: features.collect(),
+            not_stated: model.terms.not_stated.clone(),
+            warnings: model.terms.warnings.clone(),
+        }
+    }
+}
+
+impl Outcome {
+    fn known(mut self, [low, high]: [f64; 2], names: &[&str]) -> Known {
+        self.values.sort_unstable_by(f64::total_cmp);
+        let end = |p: f64| quantile(&self.values, p);
+        let interval = Interval { low: end(0.5 * (1.0 - COVERAGE)), high: end(0.5 * (1.0 + COVERAGE)) };
+        let inside = self.values.iter().filter(|value| (low..=high).contains(*value)).count();
+        // What widens a zone from zero adds up to more than its scatter: the shares divide the scatter that was drawn.
+        let whole: f64 = self.contributions.iter().sum();
+        let share = |squared: f64| if whole > 0.0 { squared / whole } else { 0.0 };
+        let count = self.values.len().max(1) as f64;
+        let mean = self.values.iter().sum::<f64>() / count;
+        let variance = self.values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
+        let budget = names.iter().zip(&self.contributions).filter(|(_, squared)| **squared > 0.0);
+        let mut budget: Vec<Contribution> = budget
+            .map(|(term, squared)| Contribution {
+                term: (*term).to_owned(),
+                standard_um: 1e3 * (share(*squared) * variance).sqrt(),
+                share: share(*squared),
+            })
+            .collect();
+        sort_by_number(&mut budget, |one| -one.share);
+        Known {
+            expanded_um: 1e3 * 0.5 * (interval.high - interval.low),
+            interval_um: Interval { low: 1e3 * interval.low, high: 1e3 * interval.high },
+            conformance: inside as f64 / self.values.len().max(1) as f64,
+            verdict: match verdict_within(interval, [low, high]) {
+                Verdict::Pass => "conforms",
+                Verdict::Fail => "does not conform",
+                Verdict::Undecided => "undecided",
+            },
+            parts_cut: self.cut.then_some(self.values.len()),
+            budget,
+        }
+    }
+}

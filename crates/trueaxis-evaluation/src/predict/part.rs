@@ -1,0 +1,306 @@
+//! `PART.toml`: where a part stands, its features by lines of the program, and its tolerances.
+
+use crate::calibrate::ranges::number;
+use std::path::{Path, PathBuf};
+use trueaxis_tables::error::FileError;
+use trueaxis_tables::{KeyValue, Section, read_toml};
+
+/// Kind of a feature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FeatureKind {
+    /// Arcs about one centre.
+    Circle,
+    /// A hole drilled along the plane's normal.
+    Hole,
+    /// An edge cut by the side of the tool along a straight line.
+    Line,
+    /// A surface cut by moves in one plane.
+    Plane,
+}
+
+impl FeatureKind {
+    /// Name in a file.
+    pub fn name(self) -> &'static str {
+        match self {
+            FeatureKind::Circle => "circle",
+            FeatureKind::Hole => "hole",
+            FeatureKind::Line => "line",
+            FeatureKind::Plane => "plane",
+        }
+    }
+}
+
+/// A feature of a part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feature {
+    /// Name, as tolerances refer to it.
+    pub name: String,
+    /// Kind.
+    pub kind: FeatureKind,
+    /// First and last line of the program that cuts it.
+    pub lines: [u32; 2],
+    /// Line in the file.
+    pub line: u32,
+}
+
+/// What a tolerance limits; names after ISO 1101, sizes and distances after ISO 14405.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Characteristic {
+    /// Deviation of a circle's diameter.
+    Size,
+    /// Deviation of the distance from another feature.
+    Distance,
+    /// Diameter of the zone about the nominal centre that just contains the centre.
+    Position,
+    /// Width of a line's zone.
+    Straightness,
+    /// Width of a plane's zone.
+    Flatness,
+    /// Width of a circle's zone.
+    Roundness,
+    /// Width of the zone parallel to the datum.
+    Parallelism,
+    /// Width of the zone perpendicular to the datum.
+    Perpendicularity,
+    /// Width of the zone at the programmed angle to the datum.
+    Angularity,
+}
+
+impl Characteristic {
+    /// All of them with their names in a file.
+    pub const NAMES: [(&'static str, Characteristic); 9] = [
+        ("size", Characteristic::Size),
+        ("distance", Characteristic::Distance),
+        ("position", Characteristic::Position),
+        ("straightness", Characteristic::Straightness),
+        ("flatness", Characteristic::Flatness),
+        ("roundness", Characteristic::Roundness),
+        ("parallelism", Characteristic::Parallelism),
+        ("perpendicularity", Characteristic::Perpendicularity),
+        ("angularity", Characteristic::Angularity),
+    ];
+
+    /// Name in a file.
+    pub fn name(self) -> &'static str {
+        Characteristic::NAMES.iter().find(|(_, own)| *own == self).map_or("", |(name, _)| name)
+    }
+
+    /// Whether two limits of a deviation are stated, not the width of a zone.
+    pub fn has_limits(self) -> bool {
+        matches!(self, Characteristic::Size | Characteristic::Distance)
+    }
+
+    /// Kinds of features that have it.
+    fn kinds(self) -> &'static [FeatureKind] {
+        use FeatureKind::{Circle, Hole, Line, Plane};
+        match self {
+            Characteristic::Size | Characteristic::Roundness => &[Circle],
+            Characteristic::Position => &[Circle, Hole],
+            Characteristic::Straightness => &[Line],
+            Characteristic::Flatness => &[Plane],
+            Characteristic::Parallelism | Characteristic::Perpendicularity | Characteristic::Angularity => {
+                &[Line, Plane]
+            }
+            Characteristic::Distance => &[Circle, Hole, Line, Plane],
+        }
+    }
+
+    /// Numbers of datums, least and most.
+    fn datums(self) -> [usize; 2] {
+        match self {
+            Characteristic::Position => [0, 3],
+            Characteristic::Size
+            | Characteristic::Roundness
+            | Characteristic::Straightness
+            | Characteristic::Flatness => [0, 0],
+            _ => [1, 1],
+        }
+    }
+}
+
+/// A tolerance of a feature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Index of the feature.
+    pub feature: usize,
+    /// What it limits.
+    pub characteristic: Characteristic,
+    /// Least and greatest value, mm; a zone has no least.
+    pub limits: [f64; 2],
+    /// Indices of the datums in their order; of a distance: the feature it starts from.
+    pub datums: Vec<usize>,
+    /// Line in the file.
+    pub line: u32,
+}
+
+/// A part as read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Path of the file, for errors.
+    pub file: PathBuf,
+    /// Name of the part.
+    pub name: String,
+    /// The program, as the file states it.
+    pub program: Option<String>,
+    /// Program zero in machine coordinates X, Y, Z, mm.
+    pub at_mm: [f64; 3],
+    /// Features in the order of the file.
+    pub features: Vec<Feature>,
+    /// Tolerances in the order of the file.
+    pub tolerances: Vec<Tolerance>,
+}
+
+/// Most features, and most tolerances.
+const MOST: usize = 200;
+/// Widest zone, and largest limit, mm.
+const WIDEST: f64 = 10.0;
+
+impl Part {
+    /// Reads a part; `file` is used only in errors.
+    ///
+    /// # Errors
+    /// Invalid TOML, unknown keys, values out of their range, tolerances that their feature cannot have, with the line.
+    pub fn read(text: &str, file: &Path) -> Result<Part, FileError> {
+        read_toml(text.strip_prefix('\u{feff}').unwrap_or(text), file, |root| {
+            let name = root.string("name")?.ok_or_else(|| root.missing("name", "the part's name"))?.value.to_owned();
+            let program = root.string("program")?.map(|found| found.value.to_owned());
+            let at = root.numbers::<3>("at_mm")?;
+            let at = at.ok_or_else(|| root.missing("at_mm", "X, Y, Z of the machine at the program's zero, mm"))?;
+            if at.value.iter().any(|q| q.abs() > 1e5) {
+                return Err(root.wrong(&at, "at most 100000 mm"));
+            }
+            let features = all(&root, "feature")?.into_iter().map(read_feature).collect::<Result<Vec<_>, _>>()?;
+            if let Some(double) =
+                (1..features.len()).find(|k| features[..*k].iter().any(|f| f.name == features[*k].name))
+            {
+                let double = &features[double];
+                return Err(root.at(double.line, "feature.name", &double.name, "a name that no other feature has"));
+            }
+            let tolerances = all(&root, "tolerance")?;
+            let tolerances =
+                tolerances.into_iter().map(|one| read_tolerance(one, &features)).collect::<Result<_, _>>()?;
+            root.finish(None)?;
+            Ok(Part { file: file.into(), name, program, at_mm: at.value, features, tolerances })
+        })
+    }
+
+    /// An error at a line of the file.
+    pub(super) fn wrong(&self, line: u32, found: impl Into<String>, needed: impl Into<String>) -> FileError {
+        let (found, needed) = (found.into(), needed.into());
+        FileError { file: self.file.clone(), line: Some(line), column: None, found, needed }
+    }
+}
+
+/// The sections of this name.
+fn all<'a>(root: &Section<'a>, key: &str) -> Result<Vec<Section<'a>>, FileError> {
+    let sections = root.sections(key)?;
+    if let Some(beyond) = sections.get(MOST) {
+        let found = sections.len().to_string();
+        return Err(root.at(beyond.first_line(), key, &found, format!("at most {MOST} sections")));
+    }
+    Ok(sections)
+}
+
+fn read_feature(section: Section<'_>) -> Result<Feature, FileError> {
+    let line = section.first_line();
+    let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
+    let kinds = [FeatureKind::Circle, FeatureKind::Hole, FeatureKind::Line, FeatureKind::Plane];
+    let kind = section.choice("kind", kinds.map(|kind| (kind.name(), kind)))?;
+    let words = "\"circle\", \"hole\", \"line\" or \"plane\"";
+    let kind = kind.ok_or_else(|| section.missing_here("kind", words))?;
+    let lines = section.numbers::<2>("lines")?;
+    let lines = lines.ok_or_else(|| section.missing_here("lines", "its first and last line of the program"))?;
+    let [from, to] = lines.value;
+    if from.fract() != 0.0 || to.fract() != 0.0 || from < 1.0 || to < from || to > 1e9 {
+        return Err(section.wrong(&lines, "first and last line of the program, counted from 1"));
+    }
+    section.finish(None)?;
+    Ok(Feature { name, kind, lines: [from as u32, to as u32], line })
+}
+
+fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Tolerance, FileError> {
+    let line = section.first_line();
+    let named = |found: &KeyValue<&str>| {
+        let index = features.iter().position(|own| own.name == found.value);
+        let names = || features.iter().map(|own| own.name.as_str()).collect::<Vec<_>>().join(", ");
+        index.ok_or_else(|| section.wrong(found, format!("the name of a feature: {}", names())))
+    };
+    let feature = section.string("feature")?.ok_or_else(|| section.missing_here("feature", "the name of a feature"))?;
+    let feature = named(&feature)?;
+    let kind = section.choice("kind", Characteristic::NAMES)?;
+    let words = Characteristic::NAMES.map(|(name, _)| name).join(", ");
+    let characteristic = kind.ok_or_else(|| section.missing_here("kind", &words))?;
+    let own = features[feature].kind;
+    if !characteristic.kinds().contains(&own) {
+        let kinds: Vec<&str> = characteristic.kinds().iter().map(|kind| kind.name()).collect();
+        let found = format!("{} of a {}", characteristic.name(), own.name());
+        return Err(section.at(line, "kind", &found, kinds.join(" or ")));
+    }
+    let limits = read_limits(&section, characteristic)?;
+    let mut datums = Vec::new();
+    let key = if characteristic == Characteristic::Distance { "from" } else { "datums" };
+    if characteristic == Characteristic::Distance {
+        let from = section.string("from")?.ok_or_else(|| section.missing_here("from", "the name of a feature"))?;
+        datums.push(named(&from)?);
+    } else if let Some(found) = section.strings("datums")? {
+        for name in &found.value {
+            datums.push(named(&KeyValue {
+                value: *name,
+                line: found.line,
+                key: found.key.clone(),
+                text: found.text.clone(),
+            })?);
+        }
+    }
+    let [least, most] = characteristic.datums();
+    let twice = (0..datums.len()).any(|k| datums[k] == feature || datums[..k].contains(&datums[k]));
+    if twice || !(least..=most).contains(&datums.len()) {
+        let needed = match [least, most] {
+            [0, 0] => String::from("no datum"),
+            [1, 1] => String::from("one other feature"),
+            _ => format!("{least} to {most} other features, none of them twice"),
+        };
+        let found: Vec<&str> = datums.iter().map(|datum| features[*datum].name.as_str()).collect();
+        let found = if found.is_empty() { String::from("nothing") } else { found.join(", ") };
+        return Err(section.at(line, key, &found, needed));
+    }
+    section.finish(None)?;
+    Ok(Tolerance { feature, characteristic, limits, datums, line })
+}
+
+/// The tolerance itself, mm: the unit is part of the key.
+fn read_limits(section: &Section<'_>, of: Characteristic) -> Result<[f64; 2], FileError> {
+    let stem = if of.has_limits() { "limits" } else { "width" };
+    let needed = if of.has_limits() {
+        "limits_um or limits_mm: the least and the greatest deviation"
+    } else {
+        "width_um or width_mm: the width of the zone"
+    };
+    let mut found = Vec::new();
+    for (unit, mm) in [("um", 1e-3), ("mm", 1.0)] {
+        let key = format!("{stem}_{unit}");
+        if of.has_limits() {
+            let Some(limits) = section.numbers::<2>(&key)? else { continue };
+            let [low, high] = limits.value.map(|limit| mm * limit);
+            if low >= high || low.abs().max(high.abs()) > WIDEST {
+                return Err(section.wrong(&limits, format!("a rising pair of at most {} {unit}", WIDEST / mm)));
+            }
+            found.push([low, high]);
+        } else if let Some(width) = number(section, &key, [1e-5 / mm, WIDEST / mm], &format!(" {unit}"))? {
+            found.push([f64::NEG_INFINITY, mm * width]);
+        }
+    }
+    match found[..] {
+        [limits] => Ok(limits),
+        [] => {
+            // Without its unit the key would be refused as unknown, without saying what is missing.
+            let bare = if of.has_limits() {
+                section.numbers::<2>(stem)?.map(|found| section.wrong(&found, format!("a unit, {needed}")))
+            } else {
+                section.number(stem)?.map(|found| section.wrong(&found, format!("a unit, {needed}")))
+            };
+            Err(bare.unwrap_or_else(|| section.missing_here(&format!("{stem}_um"), needed)))
+        }
+        _ => Err(section.at(section.first_line(), stem, "two units", "one of them")),
+    }
+}

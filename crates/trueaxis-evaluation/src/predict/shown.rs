@@ -1,0 +1,106 @@
+//! Tables of a predicted part.
+
+use super::{Known, PredictDocument, Predicted};
+use crate::shown::{Cell, EXPANDED, Shown, Table};
+use trueaxis_metrology::uncertainty::Interval;
+use trueaxis_report::number::{decimals, shortest};
+
+/// The interval itself: that of a zone is not centred on the predicted width, which uncertainties mostly widen.
+const WITHIN: &str = "95 % of draws";
+
+/// Contributions shown of each characteristic.
+const LARGEST: usize = 3;
+
+impl PredictDocument {
+    /// Tables of the document: verdicts, and the largest contributions.
+    pub fn shown(&self) -> Shown {
+        let known: Vec<(&Predicted, &Known)> =
+            self.features.iter().filter_map(|of| Some((of, of.known.as_ref()?))).collect();
+        let count = |verdict: &str| known.iter().filter(|(_, known)| known.verdict == verdict).count();
+        let mut notes = self.warnings.clone();
+        let not_stated = self.not_stated.join(", ");
+        let result = if known.is_empty() {
+            notes.push(format!("machine.toml states none of these keys: {not_stated}"));
+            String::from("No verdict: the machine states no standard uncertainty.")
+        } else {
+            if !not_stated.is_empty() {
+                notes.push(format!("not stated, taken as zero: {not_stated}"));
+            }
+            let verdicts = [
+                ("conforms", ["conforms", "conform"]),
+                ("does not conform", ["does not conform", "do not conform"]),
+                ("undecided", ["is undecided", "are undecided"]),
+            ];
+            let counts = verdicts.map(|(verdict, words)| (count(verdict), words));
+            let counts = counts.into_iter().filter(|(count, _)| *count > 0);
+            let parts =
+                counts.map(|(count, [one, several])| format!("{count} {}", if count == 1 { one } else { several }));
+            format!("{}.", parts.collect::<Vec<_>>().join(", "))
+        };
+        notes.push("servo, temperature while cutting, tool and process are not included".into());
+        let [x, y, z] = self.at_mm.map(shortest);
+        Shown {
+            title: "Part before it is cut".into(),
+            summary: vec![
+                self.part.clone(),
+                format!("program {}", self.program),
+                format!("machine {}", self.machine),
+                format!("program zero at X {x}, Y {y}, Z {z} mm"),
+                format!("intervals of {} %", self.confidence_percent),
+            ],
+            result,
+            notes,
+            tables: std::iter::once(self.verdicts()).chain((!known.is_empty()).then(|| budget(&known))).collect(),
+            ..Shown::default()
+        }
+    }
+
+    fn verdicts(&self) -> Table {
+        let has_known = self.features.iter().any(|of| of.known.is_some());
+        let head = ["feature", "tolerance", "uncorrected", "corrected"].into_iter();
+        let head = head
+            .chain(if has_known { &[EXPANDED, WITHIN, "in tolerance, %", "verdict"][..] } else { &[] }.iter().copied());
+        let rows = self.features.iter().map(|of| {
+            let mut row: Vec<Cell> = vec![of.title().into(), of.limits().into()];
+            row.extend([of.uncorrected_um, of.corrected_um].map(|um| Cell::fixed(um, 2)));
+            if let Some(known) = &of.known {
+                let share = Cell::percent(known.conformance);
+                let Interval { low, high } = known.interval_um;
+                let within = [low, high].map(|um| decimals(um, 2)).join(" to ");
+                row.extend([Cell::fixed(known.expanded_um, 2), within.into(), share, known.verdict.into()]);
+            }
+            row
+        });
+        Table::new("Features, µm", head, rows.collect::<Vec<_>>())
+    }
+}
+
+impl Predicted {
+    /// Feature, characteristic and datums.
+    fn title(&self) -> String {
+        match (self.kind, self.datums.is_empty()) {
+            (_, true) => format!("{}, {}", self.feature, self.kind),
+            ("distance", _) => format!("{}, distance from {}", self.feature, self.datums.join(", ")),
+            _ => format!("{}, {} to {}", self.feature, self.kind, self.datums.join(", ")),
+        }
+    }
+
+    /// The tolerance as written: a width, or two limits.
+    fn limits(&self) -> String {
+        match self.limits_um {
+            [None, Some(width)] => shortest(width),
+            limits => limits.map(|um| um.map_or_else(String::new, shortest)).join(" to "),
+        }
+    }
+}
+
+fn budget(known: &[(&Predicted, &Known)]) -> Table {
+    let rows = known.iter().flat_map(|(of, known)| {
+        known.budget.iter().take(LARGEST).map(|one| {
+            let um = Cell::number(one.standard_um, 3);
+            vec![of.title().into(), one.term.as_str().into(), Cell::percent(one.share), um]
+        })
+    });
+    let head = ["feature", "term", "share, %", "standard uncertainty, µm"];
+    Table::new("Largest contributions", head, rows.collect::<Vec<_>>()).bars(2)
+}
