@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The bare-metal image from end to end: builds it for a Cortex-M4F (f32) and a Cortex-M7 (f64), runs recordings in QEMU
 # and checks its messages: the host's outputs bit for bit, the same in a second run, a refusal for every bad input,
-# its size and stack; then the counts of instructions.
+# its size and stack; then the counts of instructions and the longest path.
 #
 # Installs the target and defmt-print, and QEMU where root may.
 set -euo pipefail
@@ -212,6 +212,8 @@ PYTHON
 
 say 'counts'
 ./count.sh
+say 'longest path'
+./longest_path.sh
 if [[ -x proofs/run.sh ]]; then
     say 'proofs'
     proofs/run.sh

@@ -196,6 +196,7 @@ impl Position for Nanometres {
         let half = if d < R::ZERO { -R::HALF } else { R::HALF };
         Nanometres(self.0.saturating_add((d * R::of(1e6) + half).to_i32()))
     }
+    // Only with rotary_axes.
     #[inline(always)]
     fn turn_since<R: Real>(self, origin: Nanometres) -> R {
         let angle = i64::from(self.0) - i64::from(origin.0);

@@ -249,6 +249,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     fn correction_with_grids(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
         let mut at = *query.command;
         let mut correction = [R::ZERO; N];
+        // At most 8 rounds: more passes are refused when the tables are built.
         for _ in 0..passes & PASSES_MASK {
             let errors = self.errors(&Query { command: &at, ..*query }, clamped);
             for (((r, at), q), error) in correction.iter_mut().zip(&mut at).zip(query.command).zip(errors) {

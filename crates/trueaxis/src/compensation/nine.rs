@@ -414,6 +414,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
         let command = query.command;
         let mut at = *command;
         let mut correction = [R::ZERO; N];
+        // At most 8 rounds: more passes are refused when the tables are built.
         for _ in 0..passes & PASSES_MASK {
             let errors = self.errors(&Query { command: &at, ..*query }, clamped);
             for (((r, at), q), error) in correction.iter_mut().zip(&mut at).zip(command).zip(errors) {

@@ -345,6 +345,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
     }
 
     /// Skips spans without length, at most [`TURNS_IN_A_ROW`] of them.
+    // Only with turning_spans.
     #[inline(never)]
     fn pass(&self, mut number: u32, onwards: impl Fn(&Self, u32) -> Option<u32>) -> Option<u32> {
         for _ in 0..TURNS_IN_A_ROW {
@@ -362,6 +363,7 @@ impl<'a, R: Real, P: Position> Path<'a, R, P> {
         if self.turning && self.is_stationary(at.span) { self.neighbour(at) } else { at }
     }
 
+    // Only with turning_spans.
     #[cold]
     #[inline(never)]
     fn neighbour(&self, at: Reference<R>) -> Reference<R> {

@@ -26,6 +26,7 @@ pub(super) fn way<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R
 }
 
 /// Like [`way`], over up to 64 spans; beyond them the result exceeds `beyond`.
+// Only with far: not in a cycle, but for the published bisection.
 #[inline(never)]
 pub(super) fn way_far<R: Real, P: Position>(
     path: &Path<'_, R, P>,
@@ -81,6 +82,7 @@ fn between<R: Real, P: Position>(path: &Path<'_, R, P>, mut number: u32, count: 
         return None;
     }
     let mut sum = R::ZERO;
+    // At most SPANS rounds without far, else FAR: `most` of the callers.
     for _ in 0..count {
         sum += path.span(number)?.length();
         number = path.following(number)?;
@@ -136,6 +138,7 @@ fn walk<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R, 
     // Length of the spans passed, negative backwards.
     let mut passed = R::ZERO;
     let (mut left, mut there) = (most, true);
+    // At most 9 rounds without far, else 65: the one after the last of `most` spans ends the search.
     while place > length || place < R::ZERO {
         let ahead = place > length;
         let next = if ahead { path.following(number) } else { path.preceding(number) };
@@ -164,6 +167,7 @@ fn walk<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R, 
 }
 
 /// Like [`advance`], but stops after 64 spans; for use outside the servo cycle.
+// Only with far.
 pub(super) fn advance_far<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R) -> Reference<R> {
     walk(path, from, by, FAR).map_or(from, |(moved, _)| moved.to)
 }

@@ -87,6 +87,7 @@ pub(crate) struct Moment<'m, R, const N: usize> {
     pub(crate) late: bool,
 }
 
+// Only with dynamic.
 impl<R: Real, P: Position, const N: usize> DynamicStage<R, P, N> {
     /// Creates the stage of a machine; `None` if no part of it is configured.
     ///

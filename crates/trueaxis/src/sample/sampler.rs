@@ -319,6 +319,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
 
     /// Slot of the first axis whose reading moves by a wrong ratio: from the cycle that shows it, until the compensation is
     /// switched off or a reset arrives. `compares`: a cycle on time.
+    // Only with full_check.
     #[inline(always)]
     fn ratio_fault(
         &self,
@@ -409,6 +410,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
 
     /// The first fault of the command. Travel and jumps count only while the step is active: before homing, positions
     /// have no meaning.
+    // Only with full_check.
     #[inline(always)]
     fn command_fault(
         &self,
@@ -442,6 +444,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
 
     /// Accepts the plausible readings and keeps the last good ones of the others. The readings' range counts only while
     /// the step is active, like the travel of commands.
+    // Only with full_check.
     #[inline(always)]
     fn feedback_fault(
         &self,
@@ -455,6 +458,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
         let active = input.homed && input.enable;
         let memory =
             state.feedback.iter_mut().zip(&mut state.missing).zip(&mut state.suspicions).zip(state.ratios.axes());
+        // At most N rounds: an axis each.
         for (((axis, reading), command), (((good, missing), suspicion), ratio)) in
             self.axes.iter().zip(&input.feedback).zip(command).zip(memory)
         {
@@ -506,6 +510,7 @@ impl<R: Real, P: Position, const N: usize> Sampler<R, P, N> {
     }
 
     /// A bad command now or earlier: holds the output, unless this cycle brings the reset near the held position.
+    // Only with full_check.
     #[inline(never)]
     fn stopped<'s>(
         &self,

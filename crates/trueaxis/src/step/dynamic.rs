@@ -61,6 +61,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 
     /// Runs the output stage with the dynamic correction added to the wanted one.
+    // Only with dynamic.
     #[inline(never)]
     pub(super) fn apply_dynamic(
         &self,
@@ -112,6 +113,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
 
     /// Reverses the axes that take up their lost motion from the command: at the second change in the new direction, so
     /// that a command that dithers at rest reverses none.
+    // Only with dynamic.
     #[inline(always)]
     fn take_up(&self, stage: &DynamicStage<R, P, N>, state: &mut State<R, P, N>, sample: &Sample<P, N>) {
         let Some(takes_up) = stage.takes_up() else { return };
@@ -139,6 +141,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
 
 impl<R: Real, P: Position, const N: usize> State<R, P, N> {
     /// Geometric corrections sent last. Out of line, so that a loop without dynamic correction pays only a branch.
+    // Only with dynamic.
     #[inline(never)]
     fn geometric_offsets(&self) -> &[P::Offset; N] {
         if self.dynamic.is_for(self.sequence) { self.dynamic.offsets() } else { self.output.offsets() }
@@ -147,6 +150,7 @@ impl<R: Real, P: Position, const N: usize> State<R, P, N> {
 
 /// Drive positions with these corrections. After cycles of a loop without dynamic correction, everything sent is
 /// geometric.
+// Only with dynamic.
 #[inline(never)]
 fn geometric_targets<'s, R: Real, P: Position, const N: usize>(
     output: &'s OutputState<R, P, N>,

@@ -192,6 +192,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 
     /// Runs a cycle that passed the quick check and in which the ratio of a reading is compared.
+    // Only with comparison. Never both comparison and full_check in one step: after a ratio that was found wrong, the full
+    // check returns at once.
     #[inline(never)]
     fn comparing_cycle(
         &self,

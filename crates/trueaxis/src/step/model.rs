@@ -172,6 +172,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         };
         let tip = source.at_feedback(&state.cells, sample.feedback);
         let (mut wrong, at_edge) = source.at_command(&state.cells, &at);
+        // At most 1 rounds without many_passes, else 7: more than eight are refused when the tables are built.
         for _ in 1..passes & PASSES_MASK {
             let mut square = R::ZERO;
             for ((at, command), error) in at.iter_mut().zip(sample.command).zip(wrong) {
@@ -189,6 +190,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 
     /// Volumetric tables looked up at the command: reads the cached tangents.
+    // Only with volumetric.
     #[inline(always)]
     fn model_in_tangents(
         &self,
@@ -222,6 +224,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 
     /// Any tables, looked up without a cache. The passes of the inverse start from no correction.
+    // Only with lookup.
     #[inline(always)]
     fn model_by_lookup(
         &self,

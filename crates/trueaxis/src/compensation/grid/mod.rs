@@ -143,6 +143,7 @@ enum Reach {
     Tip,
 }
 
+// Only with grids.
 impl<'a, R: Real> Grids<'a, R> {
     /// Builds the grids of a machine, which stay where they are stored; `None` if it has no grids.
     ///

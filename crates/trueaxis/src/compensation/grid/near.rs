@@ -130,6 +130,7 @@ impl<R: Real, P: Position> NearGrids<R, P> {
 
     /// Steps of both positions from the low corners of their boxes; `None` for one that is not in its box. Moves at most one
     /// box that was left, the command's before the feedback's.
+    // Only with grids.
     #[inline(always)]
     pub(crate) fn about(
         &mut self,
@@ -143,6 +144,7 @@ impl<R: Real, P: Position> NearGrids<R, P> {
     }
 
     /// Moves a box that its position has left, the command's before the feedback's; returns which.
+    // Only with grids.
     #[inline(always)]
     pub(crate) fn follow(
         &mut self,
@@ -162,6 +164,7 @@ impl<R: Real, P: Position> NearGrids<R, P> {
     }
 
     /// Replaces the box on one side by the one around a position.
+    // Only with grids.
     #[cold]
     #[inline(never)]
     fn renew(&mut self, grids: &Grids<'_, R>, side: Side, at: &[P; LINEAR]) {
@@ -185,6 +188,7 @@ impl<R: Real, P: Position> NearGrids<R, P> {
     }
 
     /// Errors of the tip at command and feedback in their boxes, mm.
+    // Only with grids.
     #[inline(always)]
     pub(crate) fn errors(&self, command: &[P; LINEAR], feedback: &[P; LINEAR]) -> [V3<R>; 2] {
         if self.command.flat == 2 {
@@ -194,6 +198,7 @@ impl<R: Real, P: Position> NearGrids<R, P> {
     }
 
     /// [`NearGrids::errors`] over axes other than X and Y: out of line, so that the X-Y case loads only its own factors.
+    // Only with grids.
     #[inline(never)]
     fn errors_over_more(&self, command: &[P; LINEAR], feedback: &[P; LINEAR]) -> [V3<R>; 2] {
         match self.command.flat {
@@ -268,6 +273,7 @@ impl<R: Real> Room<R> {
     }
 }
 
+// Only with grids.
 impl<R: Real> Grids<'_, R> {
     /// The box around a position and the sum of all grids in it. Cost: some 100 operations for each error of each grid.
     #[inline(never)]
@@ -317,6 +323,7 @@ impl<R: Real> Grids<'_, R> {
     }
 }
 
+// Only with grids.
 impl<R: Real> super::Grid<'_, R> {
     /// Adds the grid's polynomial around the position `q`, in steps from a corner `from` mm below it; returns one bit for
     /// every axis beyond its nodes.

@@ -232,11 +232,13 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
 
     /// Bisects a crowded bucket, starting from the last point before it. Returns the last point not above the
     /// coordinate, or the one before that; the caller's comparison decides.
+    // Only with crowded_tables.
     #[cold]
     #[inline(never)]
     fn search_on(&self, first: usize, coordinate: R) -> usize {
         let mut index = first;
         let mut half = (1usize << (self.depth & 15)) >> 1;
+        // At most 15 rounds: `half` starts at 2^14.
         while half > 0 {
             let ahead = index.wrapping_add(half);
             if self.knots.get(ahead).is_some_and(|knot| *knot <= coordinate) {

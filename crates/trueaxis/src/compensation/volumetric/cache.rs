@@ -94,6 +94,7 @@ pub(crate) struct Cycle<'c, R, P: Position, const N: usize> {
     pub(crate) tables: &'c Tables<R, P>,
 }
 
+// Only with volumetric.
 impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// The wanted correction, and the error of the pose at the feedback (its direction only if `needs_tilt`).
     ///

@@ -38,6 +38,7 @@ impl<R: Real> Fade<R> {
     }
 }
 
+// Only with volumetric.
 impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// Returns the correction `r` at a commanded position in table coordinates: the tip at `q + r`, errors included, is
     /// the ideal tip at `q` in workpiece coordinates. mm, rotary axes in degrees.

@@ -94,6 +94,7 @@ fn halves<R: Real>([x, y, z, a, b, c]: Twist<R>) -> (V3<R>, V3<R>) {
     (V3::new(x, y, z), V3::new(a, b, c))
 }
 
+// Only with volumetric.
 impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
     /// Memory that [`Volumetric::build`] needs, in scalars.
     pub fn requirement<'r, T: Rows + ?Sized + 'r>(

@@ -73,6 +73,7 @@ impl<P: Position, const N: usize> Work<P, N> {
     }
 }
 
+// Only with volumetric.
 impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// Lays the box around a position; the form has none until [`Volumetric::add_slide`] has added all slides.
     #[inline(never)]

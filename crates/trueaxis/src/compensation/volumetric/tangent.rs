@@ -238,6 +238,7 @@ pub(super) fn longest<'r, T: Rows + ?Sized + 'r>(
     offsets + length(travels)
 }
 
+// Only with volumetric.
 impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// Twist of the axis at `slot`, including everything added to its table.
     fn local(&self, slot: usize, at: R, direction: Direction, line: &ThermalLine<R>) -> Option<(Local<R>, bool)> {

@@ -142,6 +142,7 @@ impl<R: Real, P: Position, const N: usize> Axes<R> for PlainTables<'_, '_, R, P,
     }
 }
 
+// Only with volumetric.
 impl<R: Real, P: Position, const N: usize> Volumetric<'_, R, P, N> {
     /// [`Volumetric::pose_error`] for plain tables: uses every twist as soon as it is read.
     #[inline(always)]
