@@ -343,6 +343,7 @@ impl<R: Real> ContourSearch<R> {
             return;
         }
         let spacing = self.max_lag * R::of(2.0 / f64::from(COLD_SAMPLES - COLD_PER_CYCLE));
+        // At most COLD_PER_CYCLE rounds.
         for _ in 0..COLD_PER_CYCLE {
             if state.looked == COLD_BEHIND {
                 state.sample = Sample { at: reference, lag: R::ZERO }.step(path, spacing);

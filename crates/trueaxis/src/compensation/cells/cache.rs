@@ -176,6 +176,7 @@ impl<R: Real, P: Position> Cells<R, P> {
     }
 
     /// [`Cells::errors`] with grids: out of line, so that a machine without grids keeps its registers.
+    // Only with grids.
     #[inline(never)]
     fn errors_with_grids(
         &self,

@@ -48,6 +48,7 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
             None => self.terms.errors_at(at, self.directions, self.thermal),
         };
         match (self.grids, near) {
+            // Only with grids.
             (Some((grids, _)), Some(near)) => {
                 let (of_grids, beyond) = self.of_grids(grids, near, positions);
                 (plus(error, of_grids), edge | beyond)
@@ -57,6 +58,7 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
     }
 
     /// Errors that grids add at a position: in their box if it holds that.
+    // Only with grids.
     #[inline(never)]
     fn of_grids(&self, grids: &Grids<'_, R>, near: &Near<R, P>, positions: &[P; N]) -> ([R; 3], u8) {
         match positions.first_chunk().filter(|at| near.holds(at)) {

@@ -179,6 +179,7 @@ impl<R: Real, P: Position> Tables<R, P> {
         let change = if by_motion < self.change * rest { by_motion / rest } else { self.change };
         let mut error = norm * change;
         let mut passes = 1;
+        // At most 1 rounds without many_passes, else 7.
         while passes < self.most && error > R::of(INVERSE_MM) * rest {
             error = norm * error;
             passes += 1;

@@ -148,6 +148,7 @@ impl<R: Real> ContourSearch<R> {
         };
         let found = match self.method {
             Method::Guarded => self.cold_pair(&mut state.tip, &mut points, reference, &point, tip, encoder),
+            // Only with bisection.
             Method::Bisection => self
                 .seek(&mut state.tip, &on.path, reference, &point, &mut points.spent[0])
                 .map(|at_tip| (at_tip, points.by_halves(&at_tip, reference))),
