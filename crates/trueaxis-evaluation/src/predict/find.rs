@@ -14,7 +14,7 @@ const ROWS: usize = 3;
 const PARALLEL: f64 = 1e-6;
 
 /// Features that the program cuts between two rapid motions: holes, full circles, planes milled line by line, and otherwise
-/// the straight lines as edges. What is roughing cannot be told apart.
+/// the straight lines as edges. Roughing is not told from finishing.
 pub fn find(program: &Program) -> Vec<Feature> {
     let mut found: Vec<(FeatureKind, [u32; 2])> = Vec::new();
     for pass in program.moves.chunk_by(|one, next| one.rapid == next.rapid).filter(|pass| !pass[0].rapid) {
@@ -67,7 +67,7 @@ fn of_pass(pass: &[Move]) -> Vec<(FeatureKind, [u32; 2])> {
     level.iter().filter(is_edge).map(|step| (FeatureKind::Line, [step.line; 2])).collect()
 }
 
-/// Whether lines at one height are rows: three of them parallel to the longest one, side by side.
+/// Whether lines at one height mill a plane: at least three of them side by side, parallel to the longest.
 fn is_plane(level: &[Move]) -> bool {
     let longest = level.iter().max_by(|one, other| one.curve.length().total_cmp(&other.curve.length()));
     let Some(along) = longest.and_then(direction).filter(|_| level.iter().all(is_level)) else { return false };
