@@ -4,11 +4,11 @@
     longest_path.py ELF FUNCTION [--processor cortex-m4] [--json] [--loops] [--without PART]... [--let NAME=NUMBER]...
                     [--seen NUMBER] [--most RATIO] [--trace FILE]...
 
-The program is disassembled and split into blocks; a call counts with the longest path of what it calls. Instructions count as
-QEMU counts them: one that a condition skips counts too. What cannot be bounded is refused with its place: a call or a jump by
-a register, a recursion, a loop with two entries, a loop without a bound.
+The program is disassembled and split into blocks; a call costs the longest path through its callee. Instructions are counted as
+QEMU counts them, including those that a condition skips. Code without a bound is an error that names its place: a call or a jump
+through a register, a recursion, a loop with two entries, a loop whose rounds are not stated.
 
-Comments of the source state what the code does not show; they stand on the line of what they are about, or directly above:
+Comments in the source state what the code does not show. Each is on the line that it describes, or directly above it:
 
     // At most N rounds.                          on a loop: its block begins at most N times whenever the loop is reached. N is a
                                                   number, a constant of the same file or a --let. A loop in an expression
@@ -100,13 +100,9 @@ def order(edges, start, inside=None):
     return done[::-1]
 
 
-def dominators(edges, nodes):
-    """Immediate dominator of every node; nodes in the order of `order`."""
+def dominators(before, nodes):
+    """Immediate dominator of every node, from the nodes before each; nodes in the order of `order`."""
     place = {node: k for k, node in enumerate(nodes)}
-    before = defaultdict(list)
-    for node in nodes:
-        for target in edges.get(node, ()):
-            before[target].append(node)
     found = {nodes[0]: nodes[0]}
     changed = True
     while changed:
@@ -128,11 +124,11 @@ def dominators(edges, nodes):
 
 def loops(edges, nodes, name):
     """Header to nodes of every natural loop, the innermost first."""
-    above, place = dominators(edges, nodes), {node: k for k, node in enumerate(nodes)}
     before, found = defaultdict(list), {}
     for node in nodes:
         for target in edges.get(node, ()):
             before[target].append(node)
+    above, place = dominators(before, nodes), {node: k for k, node in enumerate(nodes)}
     for node in nodes:
         for target in edges.get(node, ()):
             if place.get(target, len(nodes)) > place[node]:
@@ -213,7 +209,7 @@ class Paths:
         self._above = []
 
     def plan(self, function):
-        """The function's plan, after those of all that it calls; None if no path through it ends."""
+        """Plan of a function, made after the plans of its callees; None if no path through it returns."""
         if function.address in self.plans:
             return self.plans[function.address]
         if function in self._above:
@@ -267,7 +263,7 @@ class Paths:
         return bool(stacks) and all(self.sources.only(stack) & self.without for stack in stacks)
 
     def called(self, function, block, place, address):
-        """What a call runs: a plan, a number of instructions, or None if it never happens."""
+        """What a call executes: a plan, a number of instructions, or None if no path makes the call."""
         callee = self.program.functions.get(address)
         if callee is None:
             raise Refused(f"{function.name}: found a call of {address:#x}, where no function begins")
@@ -308,8 +304,8 @@ class Paths:
             return LIBRARY.get(function.name, 1)
         if place.is_loop and any(place.at == other.at for other in within):
             raise Refused(f"{place.text}: found two loops in each other that are one in the source ({here})")
-        # A loop of the source around this one that has no loop of its own: it was unrolled, or it is this one, and the inner
-        # one was unrolled.
+        # An outer loop of the source without a loop of its own in the program: either it was unrolled, or this is it and the
+        # inner one was unrolled. Both bounds are needed.
         hidden = [at for at in place.outer if all(at != other.at for other in within)]
         found = []
         for path, line in [place.at, *hidden]:

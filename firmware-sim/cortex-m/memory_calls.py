@@ -35,6 +35,7 @@ TESTS = {
     "gt": lambda n, z, c, v: not z and n == v,
     "le": lambda n, z, c, v: z or n != v,
 }
+CONDITION = "|".join(TESTS)
 ARITHMETIC = re.compile(r"(movw?|mvn|adds?|subs?|rsb|and|bic|orr|cmp|tst)s?")
 
 
@@ -144,8 +145,8 @@ class _Run:
             runs = True
             if pending:
                 runs = pending.pop(0)
-                name = re.sub(r"(eq|ne|hs|lo|mi|pl|hi|ls|ge|lt|gt|le)(?=\.|$)", "", name)
-            elif found := re.fullmatch(r"b(eq|ne|hs|lo|mi|pl|hi|ls|ge|lt|gt|le)(\.[wn])?", name):
+                name = re.sub(rf"({CONDITION})(?=\.|$)", "", name)
+            elif found := re.fullmatch(rf"b({CONDITION})(\.[wn])?", name):
                 runs, name = TESTS[found[1]](*self.flags), "b"
             if runs and not self.step(instruction, name):
                 return self.count

@@ -33,6 +33,15 @@ pub fn next(machine: &Machine, positions: &mut Rows<'_, 6>) -> Result<Option<Row
     Ok(Some(row))
 }
 
+/// Values by [`Axis::index`] in the order of `axes`; those of a machine are in the order that its exact geometry has.
+pub(crate) fn in_order<T: Copy + Default>(axes: impl Iterator<Item = Axis>, by_axis: &[T; AXES]) -> [T; AXES] {
+    let mut ordered = [T::default(); AXES];
+    for (slot, axis) in ordered.iter_mut().zip(axes) {
+        *slot = by_axis[axis.index()];
+    }
+    ordered
+}
+
 /// Maximum number of rounds until a row's directions settle: an axis' own lost motion confirms a reversal, and may cause a
 /// reversal of another axis.
 const MOST_REVERSALS: usize = AXES + 1;

@@ -1,6 +1,7 @@
 //! Exact transforms.
 
 use super::{Model, NoCorrection, Place, PoseError, Settings};
+use crate::positions::in_order;
 use anyhow::{Result, anyhow};
 use trueaxis::compensation::Direction;
 use trueaxis::machine::{AXES, Axis};
@@ -42,19 +43,10 @@ impl Exact {
         })
     }
 
-    /// Reorders values by axis into the machine's order.
-    fn in_order<T: Copy>(&self, values: &[T; AXES], of: impl Fn(T) -> f64) -> [f64; AXES] {
-        let mut ordered = [0.0; AXES];
-        for (ordered, own) in ordered.iter_mut().zip(&self.axes) {
-            *ordered = of(values[own.axis.index()]);
-        }
-        ordered
-    }
-
     /// Positions, and 1 for negative travel, 0 for positive.
     fn ordered(&self, at: &Place) -> [[f64; AXES]; 2] {
         let reverse = |direction| if direction == Direction::POSITIVE { 0.0 } else { 1.0 };
-        [self.in_order(&at.command, |q| q), self.in_order(&at.directions, reverse)]
+        [at.command, at.directions.map(reverse)].map(|all| in_order(self.axes.iter().map(|own| own.axis), &all))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::Asked;
 use crate::compensate::{Model, Place, Settings, with_model};
+use crate::positions::in_order;
 use anyhow::{Result, anyhow};
 use trueaxis::compensation::Direction;
 use trueaxis::machine::{AXES, Axis, wraps};
@@ -76,11 +77,7 @@ impl<'a> Sampler<'a> {
 
     /// `letters` in the geometry's order.
     pub(super) fn slots(&self, letters: &[f64; AXES]) -> [f64; AXES] {
-        let mut slots = [0.0; AXES];
-        for (slot, axis) in slots.iter_mut().zip(&self.own) {
-            *slot = letters[axis.index()];
-        }
-        slots
+        in_order(self.own.iter().copied(), letters)
     }
 
     pub(super) fn before(&self, at: &[f64; AXES]) -> (Pose, Commanded) {

@@ -5,6 +5,7 @@ use super::job::{Job, by_option, five};
 use super::machine::{Fit, fit, six};
 use super::request::Passes;
 use crate::compensate::{Place, Settings, with_model};
+use crate::positions::in_order;
 use anyhow::{Result, anyhow};
 use serde::Serialize;
 use trueaxis::compensation::Direction;
@@ -74,14 +75,7 @@ pub fn flank(job: &Job, machine: &Machine, along: Passes, held: f64, count: usiz
     }
     for (i, [u, theta]) in places.into_iter().enumerate() {
         let normal = job.surface.normal(u, theta);
-        // The geometry orders its axes as the machine does.
-        let slots = |values: &[f64; AXES]| {
-            let mut slots = [0.0; AXES];
-            for (slot, own) in slots.iter_mut().zip(&machine.settings.axes) {
-                *slot = values[own.axis.index()];
-            }
-            slots
-        };
+        let slots = |values: &[f64; AXES]| in_order(machine.settings.axes.iter().map(|own| own.axis), values);
         let reverse = slots(&travels[i].map(|travel| if travel { 1.0 } else { 0.0 }));
         let ideal = geometry.ideal_pose(&slots(&positions[i]));
         let sent: [f64; AXES] = std::array::from_fn(|k| positions[i][k] + corrections[i][k]);

@@ -2,7 +2,7 @@
 
 use super::part::{Feature, FeatureKind, Part};
 use crate::compensate::{Model, NoCorrection, Place, Settings, with_model};
-use crate::positions::Travel;
+use crate::positions::{Travel, in_order};
 use crate::uncertainty::terms::Along;
 use anyhow::{Result, anyhow, bail};
 use glam::DVec3;
@@ -86,15 +86,6 @@ pub(super) fn circle_of(step: &Move) -> Option<Circle> {
     is_level.then(|| Circle { centre, radius: (start - centre).length() })
 }
 
-/// The machine's own axes in its order, for [`Geometry`].
-pub(super) fn slots(machine: &Machine, by_axis: &[f64; AXES]) -> [f64; AXES] {
-    let mut slots = [0.0; AXES];
-    for (slot, own) in slots.iter_mut().zip(&machine.settings.axes) {
-        *slot = by_axis[own.axis.index()];
-    }
-    slots
-}
-
 impl Point {
     /// The point that is cut, in coordinates of the program, mm; `along`: errors of the axes along themselves.
     pub(super) fn cut<'a>(
@@ -110,8 +101,8 @@ impl Point {
             let index = one.axis.index();
             sent[index] += one.moves(reached.sent[index], reached.reverse[index]);
         }
-        let reverse = slots(machine, &reached.reverse);
-        let tip = geometry.pose_error_of(&self.commanded, &slots(machine, &sent), &reverse).tip_mm;
+        let slots = |by_axis| in_order(machine.settings.axes.iter().map(|own| own.axis), by_axis);
+        let tip = geometry.pose_error_of(&self.commanded, &slots(&sent), &slots(&reached.reverse)).tip_mm;
         self.nominal + DVec3::from(tip)
     }
 }
@@ -141,7 +132,8 @@ pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Res
                 command[..3].copy_from_slice(&(nominal + DVec3::from(part.at_mm)).to_array());
                 within_travel(machine, program, step, &command)?;
                 let ([uncorrected, corrected], wanted) = drives.reach(command)?;
-                let commanded = geometry.commanded(&slots(machine, &command));
+                let commanded =
+                    geometry.commanded(&in_order(machine.settings.axes.iter().map(|own| own.axis), &command));
                 if is_feature {
                     clipped.add(&machine.settings, &command, &wanted);
                     let point = Point { nominal, uncorrected, corrected, commanded };

@@ -1,17 +1,20 @@
 //! Features found in a program, for confirmation.
 
-use super::cut::{NEAR, circle_of, turn};
+use super::cut::{circle_of, turn};
 use super::part::{Feature, FeatureKind};
 use glam::DVec3;
 use std::fmt::Write as _;
 use trueaxis_sim::program::{Curve, Move, Program};
 
-/// Shortest line that is an edge, mm, and fewest moves of a plane.
+/// Shortest line that is an edge and least distance of rows, mm.
 const SHORTEST: f64 = 1.0;
+/// Fewest rows of a plane: a rectangle's outline has two parallel sides.
 const ROWS: usize = 3;
+/// Sine of the largest angle between rows.
+const PARALLEL: f64 = 1e-6;
 
 /// Features that the program cuts between two rapid motions: holes, full circles, planes milled line by line, and otherwise
-/// the straight lines as edges. What is roughing cannot be told apart.
+/// the straight lines as edges. Roughing is not told from finishing.
 pub fn find(program: &Program) -> Vec<Feature> {
     let mut found: Vec<(FeatureKind, [u32; 2])> = Vec::new();
     for pass in program.moves.chunk_by(|one, next| one.rapid == next.rapid).filter(|pass| !pass[0].rapid) {
@@ -64,17 +67,19 @@ fn of_pass(pass: &[Move]) -> Vec<(FeatureKind, [u32; 2])> {
     level.iter().filter(is_edge).map(|step| (FeatureKind::Line, [step.line; 2])).collect()
 }
 
-/// Whether lines at one height are rows: open, and not all of them on one line.
+/// Whether lines at one height mill a plane: at least three of them side by side, parallel to the longest.
 fn is_plane(level: &[Move]) -> bool {
-    let end = |step: &Move, u: f64| DVec3::from(step.curve.position(u));
-    let (first, last) = (&level[0], &level[level.len() - 1]);
-    let (start, stop) = (end(first, first.curve.domain().0), end(last, last.curve.domain().1));
-    let along = direction(first).unwrap_or(DVec3::X);
-    let off = |step: &Move| (end(step, step.curve.domain().1) - start).reject_from_normalized(along).length();
-    level.len() >= ROWS
-        && level.iter().all(is_level)
-        && (stop - start).length() > NEAR
-        && level.iter().any(|step| off(step) > SHORTEST)
+    let longest = level.iter().max_by(|one, other| one.curve.length().total_cmp(&other.curve.length()));
+    let Some(along) = longest.and_then(direction).filter(|_| level.iter().all(is_level)) else { return false };
+    let rows = level.iter().filter(|step| direction(step).is_some_and(|own| own.cross(along).length() < PARALLEL));
+    let mut apart: Vec<DVec3> = Vec::new();
+    for row in rows {
+        let at = DVec3::from(row.curve.position(row.curve.domain().0)).reject_from_normalized(along);
+        if apart.iter().all(|other| (*other - at).length() > SHORTEST) {
+            apart.push(at);
+        }
+    }
+    apart.len() >= ROWS
 }
 
 /// Whether a move is a line in the active plane.

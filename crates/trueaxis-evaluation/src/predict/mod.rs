@@ -11,9 +11,9 @@
 //! machine's own tables, so that the residual of its model remains. Lost motion follows the direction in which each drive
 //! arrives, from the start of the program on; it is taken up at once.
 //!
-//! Draws of the quantities, 10,000 of them unless told otherwise, give the interval of 95 % of each characteristic through the derivatives. 200 of them
-//! are also cut by exact transforms and fitted again. Where the two differ, as for the width of a zone, which cannot fall below
-//! zero, all draws are cut that way in place of the derivatives.
+//! Draws of the quantities, 10,000 of them unless told otherwise, give the interval of 95 % of each characteristic through
+//! the derivatives. 200 of them are also cut by exact transforms and fitted again. Where the two differ, as for the width of
+//! a zone, which cannot fall below zero, all draws are cut that way in place of the derivatives.
 //!
 //! The result excludes the servo, the temperature, the tool and the process.
 //!
@@ -72,8 +72,9 @@ impl Default for Options {
 /// Without any uncertainty stated, only the deviations are predicted.
 ///
 /// # Errors
-/// A number of draws out of its range; a part without tolerances; a machine without X, Y or Z, or that the model refuses; a program that turns rotary axes or leaves the travel; features
-/// that their lines do not cut; datums that are not made before the features that refer to them.
+/// A number of draws out of its range; a part without tolerances; a machine without X, Y or Z, or that the model refuses; a
+/// program that turns rotary axes or leaves the travel; features that their lines do not cut; datums that are not made before
+/// the features that refer to them.
 pub fn predict(
     machine: &Machine,
     stated: &Uncertainties,

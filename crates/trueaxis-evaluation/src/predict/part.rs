@@ -161,7 +161,7 @@ impl Part {
     /// # Errors
     /// Invalid TOML, unknown keys, values out of their range, tolerances that their feature cannot have, with the line.
     pub fn read(text: &str, file: &Path) -> Result<Part, FileError> {
-        read_toml(text.strip_prefix('\u{feff}').unwrap_or(text), file, |root| {
+        read_toml(text, file, |root| {
             let name = root.string("name")?.ok_or_else(|| root.missing("name", "the part's name"))?.value.to_owned();
             let program = root.string("program")?.map(|found| found.value.to_owned());
             let at = root.numbers::<3>("at_mm")?;

@@ -4,6 +4,7 @@ use super::options::Options;
 use super::terms::{Along, Effect, Term, Terms};
 use crate::compensate::{Place, Settings, with_model};
 use crate::contributions::Source;
+use crate::positions::in_order;
 use anyhow::{Result, anyhow};
 use trueaxis::compensation::Direction;
 use trueaxis::machine::{AXES, Axis, wraps};
@@ -30,13 +31,7 @@ pub(super) fn draw(
     options: &Options,
 ) -> Result<Vec<Vec<[f64; 3]>>> {
     let own: Vec<Axis> = machine.settings.axes.iter().map(|own| own.axis).collect();
-    let slots = |letters: &[f64; AXES]| {
-        let mut slots = [0.0; AXES];
-        for (slot, axis) in slots.iter_mut().zip(&own) {
-            *slot = letters[axis.index()];
-        }
-        slots
-    };
+    let slots = |by_axis: &[f64; AXES]| in_order(own.iter().copied(), by_axis);
     let geometry = Geometry::new(machine, 0.0).map_err(|error| anyhow!("{error}"))?;
     let reverse = [1.0; AXES];
     let stated: Vec<_> = places

@@ -241,12 +241,13 @@ fn orientations_that_the_program_does_not_have_are_refused() {
 }
 
 /// A rectangle with one rounded corner, entered from above; an arc of half a turn; a circle in two arcs; a helix; a hole
-/// drilled in two strokes; a row and its way back at another height.
+/// drilled in two strokes; a row and its way back at another height; a rectangle entered and left from beside it.
 #[test]
 fn what_a_contour_an_arc_and_a_helix_are_found_as() {
     let text = "G21 G90 G17 G94 F600\nG0 X0 Y0 Z5\nG1 Z-2\nX50\nY20\nG3 X40 Y30 I-10 J0\nG1 X0\nY0\nG0 Z5\n\
                 G0 X100\nG3 X120 I10 J0\nG0 X140\nG2 X160 I10 J0\nX140 I-10 J0\nG0 X200\nG3 X200 Z-1 I10 J0\nG0 Z5\n\
-                G83 X5 Y5 Z-4 R2 Q3\nG80\nG0 X0 Y60\nG1 X50\nZ4\nX0\nM2\n";
+                G83 X5 Y5 Z-4 R2 Q3\nG80\nG0 X0 Y60\nG1 X50\nZ4\nX0\n\
+                G0 X300 Y-5\nG1 Y65\nX390\nY0\nX295\nM2\n";
     let program = Program::parse("contour", text, "contour.ngc").unwrap();
     let found: Vec<String> =
         find(&program).iter().map(|of| format!("{} {}-{}", of.name, of.lines[0], of.lines[1])).collect();
@@ -259,6 +260,10 @@ fn what_a_contour_an_arc_and_a_helix_are_found_as() {
         "hole 1 18-18",
         "line 5 21-21",
         "line 6 23-23",
+        "line 7 25-25",
+        "line 8 26-26",
+        "line 9 27-27",
+        "line 10 28-28",
     ];
     assert_eq!(found, wanted);
     // Line 16 is the helix, lines 5 and 6 an edge and the corner after it.

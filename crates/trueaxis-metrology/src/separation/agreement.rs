@@ -24,7 +24,7 @@ pub struct Agreement {
     pub residual: Vec<f64>,
     /// Standard deviation of a reading's noise that would explain the contradiction.
     pub noise: f64,
-    /// The same with each probe left out in turn; `None` if fewer than four remain, or all that remain are on one line.
+    /// That deviation without each probe in turn; `None` if fewer than four remain, or if those lie on one line.
     pub noise_without: Vec<Option<f64>>,
     /// The probe, from 0, without which the others agree at least twice as well, if chance does not explain it.
     pub disagreeing: Option<usize>,

@@ -13,8 +13,8 @@ pub(super) struct LeastSquares {
     places: ProbePlaces,
     /// Columns of N: weights of the probes, orthonormal and without motion of the centre; m − 2 of them.
     without_motion: Vec<Vec<f64>>,
-    /// By harmonic from 0 to the band's last, and by column of N: factors from an unscaled spectrum of s_l to the profile; none
-    /// if suppressed. Those of harmonic 0 give the mean radius.
+    /// By harmonic from 0 to the band's last, and by column of N: factors from an unscaled spectrum of s_l to the profile; a
+    /// suppressed harmonic has none. The factors of harmonic 0 give the mean radius.
     factors: Vec<Vec<Complex<f64>>>,
     /// By harmonic: Σ cos φ_i e^{jkφ_i} and Σ sin φ_i e^{jkφ_i}, the profile's share in Cᵀ h.
     in_motion: Vec<[Complex<f64>; 2]>,
