@@ -306,7 +306,13 @@ impl<R: Real> ContourSearch<R> {
         }
         state.keep(self.method, &points.on.path, reference, &at_tip.tangent, lag);
         state.at_corner = at_tip.flags.has(Flags::AT_CORNER);
-        let behind = points.lag(at_encoder.place);
+        // Both feet usually lie on one span.
+        let behind = match points.on.path.span(at_tip.place.span) {
+            Some(span) if at_encoder.place.span == at_tip.place.span => {
+                lag + (span.arc_length(at_tip.place.t) - span.arc_length(at_encoder.place.t))
+            }
+            _ => points.lag(at_encoder.place),
+        };
         // At most 2 rounds.
         for (foot, found, lag, spent) in [(tip, at_tip, lag, for_tip), (encoder, at_encoder, behind, for_encoder)] {
             let error = dot(&found.vector, &found.vector).root();
@@ -320,20 +326,33 @@ impl<R: Real> ContourSearch<R> {
 }
 
 impl<R: Real> Feet<R> {
-    /// The feet of one frame, if they lie on its span.
-    fn of(span: u32, seen: Seen, along: &Tangent<R>, tip: &ContourError<R>, encoder: &ContourError<R>) -> Self {
-        let found = |converged: bool, foot: &ContourError<R>| {
+    /// Takes the feet of one frame, if they lie on its span.
+    #[inline(always)]
+    fn take(
+        &mut self,
+        span: u32,
+        seen: Seen,
+        along: &Tangent<R>,
+        tip: &ContourError<R>,
+        encoder: &ContourError<R>,
+    ) {
+        let found = |foot: &ContourError<R>| {
             let vector: [R; 3] = foot.vector.into();
-            (converged && foot.t >= R::ZERO && foot.t <= R::ONE).then(|| Found {
+            Found {
                 place: Reference { span, t: foot.t },
                 vector: vector.map(|x| -x),
                 tangent: along.tangent,
                 width: R::ZERO,
                 flags: Flags::BRACKETED,
                 downhill: false,
-            })
+            }
         };
-        Feet { tip: found(seen.tip(), tip), encoder: found(seen.encoder(), encoder) }
+        if seen.tip() && tip.t.is_in_unit() {
+            self.tip = Some(found(tip));
+        }
+        if seen.encoder() && encoder.t.is_in_unit() {
+            self.encoder = Some(found(encoder));
+        }
     }
 }
 
@@ -370,7 +389,7 @@ impl<R: Real, P: Position> Points<'_, '_, R, P> {
         // A foot beyond the border counts as lying on it.
         let near = (tip.t.limit(R::ZERO, R::ONE) - guess.t).abs() * along.speed <= self.reach;
         if seen.tip() && near {
-            *feet = Feet::of(guess.span, seen, along, tip, encoder);
+            feet.take(guess.span, seen, along, tip, encoder);
             if feet.tip.is_none() || !self.search_other_leg(feet) {
                 self.look_beyond(feet, guess.span, seen, tip, encoder);
             }
