@@ -6,6 +6,7 @@
 #   count.sh --commit                      writes the counts into counts.toml and adversarial.toml instead
 #   count.sh --replay CYCLE                runs an adversarial cycle: events, stages, inputs
 #   count.sh --replay-recorded CYCLE       runs a cycle of the recording
+#   count.sh --climb CLIMBS                searches for dearer cycles by so many climbs of 20,000 cycles
 #
 # Installs the target, and QEMU where root may.
 set -euo pipefail
@@ -34,6 +35,7 @@ request=()
 case ${1-} in
 --replay-recorded) kind=1 ;;
 --replay) kind=2 ;;
+--climb) kind=3 ;;
 *) kind= ;;
 esac
 replay=${kind:+-replay}

@@ -99,6 +99,7 @@ LIMITED = [
     ("mean over the recording", "step.mean"),
     ("worst of the recording", "step.worst"),
     ("worst of 100,000 adversarial cycles", "adversarial.worst"),
+    ("worst that hill climbing finds in a million", "climb.worst"),
     ("with a gauge: typical", "step_gauge.typical"),
     ("with a gauge: worst of the recording", "step_gauge.worst"),
 ]
@@ -166,6 +167,33 @@ def stack(budgets):
     return "| stack, bytes, bound | Cortex-M4F, f32 | Cortex-M7, f64 |\n|---|---|---|\n" + rows
 
 
+# Stages of the step and what they do.
+STAGES = [
+    ("plausibility of commands and readings", "sample"),
+    ("tables, inverse, estimated tip", "compensation"),
+    ("contour error of tip and encoder position", "contour"),
+    ("limiter and output", "output"),
+    ("telemetry record", "telemetry"),
+]
+
+
+def bound(budgets):
+    """The stages' own maxima, their sum, and the dearest cycle found."""
+    counts = counts_of(budgets)
+    cores = [target for target, *_ in CORES]
+    row = lambda name, cells: f"| {name} |" + "".join(f" {cell} |" for cell in cells) + "\n"
+    text = row("the dearest cycle of each stage by itself", [core for _, core, *_ in CORES]) + "|---" * (1 + len(cores)) + "|\n"
+    sums = dict.fromkeys(cores, 0)
+    for name, stage in STAGES:
+        found = {target: counts[target, f"adversarial_{stage}.worst"] for target in cores}
+        text += row(name, [f"{found[target]:.0f}" for target in cores])
+        sums = {target: sums[target] + found[target] for target in cores}
+    worst = {target: max(counts[target, "adversarial.worst"], counts[target, "climb.worst"]) for target in cores}
+    text += row("sum", [f"**{sums[target]:.0f}**" for target in cores])
+    text += row("dearest cycle found", [f"{worst[target]:.0f}" for target in cores])
+    return text + row("the sum is above it by", [f"{100 * (sums[target] / worst[target] - 1):.1f} %" for target in cores])
+
+
 # Rows of the table of a host's counts, plain x86-64.
 ON_HOST = [
     ("nine-term look-up, equidistant linear tables", "nine_terms.equidistant"),
@@ -212,6 +240,7 @@ def main():
     budgets = read(path)["budget"]
     on_host = read(path.parent / "../../benches/budgets.toml")["budget"]
     made = {"schedule": servo_rates(budgets), "limits": limits(budgets)}
+    made["bound"] = bound(budgets)
     made["counts"] = figures(budgets, "cost in a cycle, bare metal, in QEMU: instructions, not cycles", SHOWN)
     made["growth"] = figures(budgets, "thermal growth, instructions", GROWTH)
     made |= {"host": host(on_host), "budgets": all_on_host(on_host)}

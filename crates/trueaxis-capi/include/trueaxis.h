@@ -184,6 +184,10 @@
 /// The reference was outside its span and was clamped to the nearer end. If it was not finite, no error was measured.
 #define TRUEAXIS_CONTOUR_REFERENCE 64
 
+/// The search continues in the next cycle. With `TRUEAXIS_CONTOUR_NOT_FOUND` it has no foot yet; otherwise the error is
+/// measured from the best point of the path so far, not from the foot.
+#define TRUEAXIS_CONTOUR_SEARCHING 128
+
 /// Largest number of axes of a machine.
 #define TRUEAXIS_AXES_MAX 6
 

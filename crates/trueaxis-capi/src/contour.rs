@@ -77,3 +77,6 @@ pub const CONTOUR_COLD: u8 = 16;
 pub const CONTOUR_NOT_FOUND: u8 = 32;
 /// The reference was outside its span and was clamped to the nearer end. If it was not finite, no error was measured.
 pub const CONTOUR_REFERENCE: u8 = 64;
+/// The search continues in the next cycle. With `TRUEAXIS_CONTOUR_NOT_FOUND` it has no foot yet; otherwise the error is
+/// measured from the best point of the path so far, not from the foot.
+pub const CONTOUR_SEARCHING: u8 = 128;

@@ -18,15 +18,18 @@ pub enum Request {
     Recorded(u32),
     /// One of the adversarial cycles.
     Adversarial(u32),
+    /// So many climbs to the dearest cycle.
+    Climbs(u32),
 }
 
-/// The request at the very end of the recording's region: kind 1 or 2, and a number; `None` if both are zero.
+/// The request at the very end of the recording's region: kind 1 to 3, and a number; `None` if both are zero.
 pub fn request() -> Option<Request> {
     // SAFETY: two words of the board's memory (memory.x), which nothing writes while the image runs.
     let [kind, number] = unsafe { addr_of!(_request).read_volatile() };
     match kind {
         1 => Some(Request::Recorded(number)),
         2 => Some(Request::Adversarial(number)),
+        3 => Some(Request::Climbs(number)),
         _ => None,
     }
 }

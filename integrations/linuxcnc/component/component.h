@@ -96,7 +96,7 @@ struct axis_pins {
 
 struct contour_pins {
     hal_real_t error, normal, binormal, lag;
-    hal_bool_t found;
+    hal_bool_t found, searching;
 };
 
 struct gauge_pins {

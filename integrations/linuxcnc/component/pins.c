@@ -87,6 +87,7 @@ static int contour(struct contour_pins *p, int id, const char *name, const char 
     TRY(hal_pin_new_real(id, HAL_OUT, &p->binormal, 0.0, "%s.contour.%s.binormal", name, of));
     TRY(hal_pin_new_real(id, HAL_OUT, &p->lag, 0.0, "%s.contour.%s.lag", name, of));
     TRY(hal_pin_new_bool(id, HAL_OUT, &p->found, false, "%s.contour.%s.found", name, of));
+    TRY(hal_pin_new_bool(id, HAL_OUT, &p->searching, false, "%s.contour.%s.searching", name, of));
     return 0;
 }
 

@@ -8,6 +8,7 @@ static void show_contour(struct contour_pins *pins, const trueaxis_contour_t *co
     hal_set_real(pins->binormal, contour->binormal / mm_per_unit);
     hal_set_real(pins->lag, contour->lag / mm_per_unit);
     hal_set_bool(pins->found, !(contour->flags & TRUEAXIS_CONTOUR_NOT_FOUND));
+    hal_set_bool(pins->searching, (contour->flags & TRUEAXIS_CONTOUR_SEARCHING) != 0);
 }
 
 static void show_axes(const struct instance *instance, const trueaxis_input_t *input, const trueaxis_output_t *output)

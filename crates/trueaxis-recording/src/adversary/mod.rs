@@ -204,6 +204,11 @@ impl<'a, R: Real, P: Position> Adversary<'a, R, P> {
         moment
     }
 
+    /// Continues with other random numbers.
+    pub fn divert(&mut self, seed: u32) {
+        self.random = Random::new(seed);
+    }
+
     fn spans(&self) -> u32 {
         self.courses.get(self.course).map_or(0, Course::len)
     }

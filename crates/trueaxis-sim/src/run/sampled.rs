@@ -10,7 +10,7 @@ use trueaxis::{Fault, ServoLoop};
 impl<const N: usize> Cell<N> {
     /// Contour error of the estimated tip in machine directions, µm.
     fn contour(&self, record: &Record<f64, f64, N>) -> Option<[f32; 3]> {
-        let off = [Flags::NOT_FOUND, Flags::COLD, Flags::AT_END, Flags::REFERENCE];
+        let off = [Flags::NOT_FOUND, Flags::SEARCHING, Flags::COLD, Flags::AT_END, Flags::REFERENCE];
         if record.fault != Fault::None || off.iter().any(|flag| record.tip.flags.has(*flag)) {
             return None;
         }

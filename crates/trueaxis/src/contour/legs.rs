@@ -46,6 +46,8 @@ pub(super) struct Doubt<R> {
     unresolved: bool,
     /// Consecutive cycles with an implausible foot and no other one.
     missed: u8,
+    /// A point near the minimum on the reference's leg.
+    after: Option<Reference<R>>,
     /// Spans of the foot and of the reference that were compared last, and whether they run in opposite directions.
     compared: [u32; 2],
     against: bool,
@@ -104,7 +106,7 @@ impl<R: Real> Doubt<R> {
         self.lag = lag;
         if foot != reference && (back || self.has_turned(path, foot, reference)) {
             if !self.open || self.left.is_some() {
-                (self.open, self.left, self.turned) = (true, None, reference);
+                (self.open, self.left, self.turned, self.after) = (true, None, reference, None);
                 self.plausible_lag = R::TWO * lag.max(R::ZERO) + window;
             }
             self.missed = if back || lag > self.plausible_lag { self.missed.saturating_add(1) } else { 0 };
@@ -127,8 +129,8 @@ impl<R: Real> Doubt<R> {
         waits || self.against
     }
 
-    /// Decides between the foot `one` and the minimum on the leg beside it. `None` if that leg has no minimum, or a border
-    /// ahead must be tested first. Three evaluations.
+    /// Decides between the foot `one` and the minimum on the leg beside it. `None` if that leg has no minimum or none is known
+    /// yet, or a border ahead must be tested first. At most two evaluations.
     pub(super) fn resolve<P: Position>(
         &mut self,
         on: &OnPath<'_, R, P>,
@@ -140,7 +142,11 @@ impl<R: Real> Doubt<R> {
     ) -> Option<Found<R>> {
         let path = &on.path;
         let Some(left) = self.left else {
-            let after = minimum_on_reference_leg(on, max_lag, point, spent)?;
+            let Some(near) = self.after.take() else {
+                self.after = near_minimum_on_reference_leg(on, max_lag, point, spent);
+                return None;
+            };
+            let after = minimum(path, near, point, spent)?.0?;
             if after.place.span == one.place.span {
                 // Both are on one span: the foot is the only one.
                 *self = Self::none();
@@ -245,13 +251,13 @@ fn minimum<R: Real, P: Position>(
     found.converged.then(|| (found.t.is_in_unit().then(|| Found::of(near.span, &found)), found.t))
 }
 
-/// Minimum on the leg that the reference is on.
-fn minimum_on_reference_leg<R: Real, P: Position>(
+/// A point near the minimum on the leg that the reference is on, by a step along the tangent.
+fn near_minimum_on_reference_leg<R: Real, P: Position>(
     on: &OnPath<'_, R, P>,
     max_lag: R,
     point: impl Fn(&Span<R, P>) -> [R; 3],
     spent: &mut u8,
-) -> Option<Found<R>> {
+) -> Option<Reference<R>> {
     let OnPath { path, reference } = on;
     let span = path.span(reference.span)?;
     let e = evaluate(span, &point(span), reference.t);
@@ -259,6 +265,5 @@ fn minimum_on_reference_leg<R: Real, P: Position>(
     let lag = e.g / e.straight.root();
     // False for NaN too.
     let in_reach = lag.abs() <= max_lag;
-    let near = in_reach.then(|| advance(path, *reference, -lag))??.to;
-    minimum(path, near, point, spent)?.0
+    Some(in_reach.then(|| advance(path, *reference, -lag))??.to)
 }

@@ -7,15 +7,16 @@
 //! - [`Segment`]s (lines, arcs in any plane, helices, splines to degree 5) are converted once into [`Span`]s;
 //! - in each cycle the search starts at the last foot plus the reference's progress. Usually one call of the kernel is enough;
 //!   otherwise the search descends, brackets and refines, across borders and corners, within a window of
-//!   `5 µm + 4 × progress`. A cycle uses at most eight evaluations of the path, and covers at most eight spans between a foot
-//!   or the reference and its position in the last cycle: after a larger jump the search starts cold;
+//!   `5 µm + 4 × progress`. A search that needs more than a cycle's share continues in the next one and is flagged
+//!   ([`Flags::SEARCHING`]). A cycle covers at most eight spans between a foot or the reference and its position in the last
+//!   cycle: after a larger jump the search starts cold;
 //! - the step has two points, estimated tip and encoder position, and searches for both feet together
 //!   (`ContourSearch::update_pair`): it follows the tip's foot, and the encoder's foot is the minimum of its distance
 //!   downhill from there. In a hairpin both are on the same leg;
 //! - where the path turns back by almost 180°, order along the path and lag decide the foot, not distance alone, and a second
 //!   minimum is flagged while both legs are near;
-//! - with no foot known (first cycle, after a fault, lost) the search samples the path around the reference over several
-//!   cycles, first behind it, then ahead;
+//! - with no foot known (first cycle, after a fault, lost) the search samples the path around the reference over
+//!   thirteen cycles, first behind it, then ahead. No error is measured meanwhile: the distance from a sample is not a contour error;
 //! - a host whose planner is closed can use its own commands as the path ([`CommandWindow`]);
 //! - a [`ToolPath`] adds a direction to every span ([`Turn`]). The orientation error is the angle at the tip's foot or,
 //!   where the tip stays in place while the tool turns ([`Segment::Turning`]), the angle to the nearest orientation.
@@ -75,6 +76,9 @@ impl Flags {
     /// The reference lay outside its span and was clamped to the nearer end; if it was infinite or not a number, no error was
     /// measured.
     pub const REFERENCE: Flags = Flags(64);
+    /// The search continues in the next cycle. With [`Flags::NOT_FOUND`] it has no foot yet; otherwise the error is measured
+    /// from the best point of the path so far, not from the foot.
+    pub const SEARCHING: Flags = Flags(128);
 
     /// Whether all bits of `other` are set.
     pub const fn has(self, other: Flags) -> bool {
@@ -125,6 +129,11 @@ pub struct ContourError<R: Real> {
 }
 
 impl<R: Real> ContourError<R> {
+    /// No error measured yet.
+    pub(crate) fn searching() -> Self {
+        ContourError { flags: Flags::NOT_FOUND.and(Flags::COLD).and(Flags::SEARCHING), ..ContourError::none() }
+    }
+
     /// No error measured.
     pub fn none() -> Self {
         ContourError {

@@ -79,7 +79,7 @@ pub(super) fn descend<R: Real, P: Position>(
     let at = Spot { span: 0, number: start.span, t: start.t.limit(R::ZERO, R::ONE) };
     let mut descent =
         Descent { path, window, bisect, at, low: None, high: None, flags: Flags::default(), walked: R::ZERO };
-    // At most 3 rounds without bisection, else 60.
+    // At most 2 rounds without bisection, else 60.
     for round in 0..budget {
         let span = path.span(descent.at.number)?;
         let e = evaluated(span, &span.relative(point), descent.at.t);

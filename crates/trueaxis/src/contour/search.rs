@@ -3,8 +3,8 @@
 use super::kernel::{Foot, foot};
 use super::legs::{Apart, Doubt};
 use super::refine::{Found, descend};
-use super::span::{OnPath, Path, Reference, dot};
-use super::way::{advance, sight, step, way, way_far, window};
+use super::span::{OnPath, Path, Reference, Span, dot};
+use super::way::{advance, sight, way, way_far, window};
 use super::{ContourError, Flags};
 use crate::error::{ConfigError, Field};
 use crate::position::Position;
@@ -39,7 +39,7 @@ pub struct ContourState<R> {
     pub(super) warm: bool,
     /// State for a leg that lies beside the foot's.
     pub(super) doubt: Doubt<R>,
-    /// Number of samples taken in the cold search, and the best one.
+    /// Number of samples taken in the cold search and of cycles that descended since, and the best sample.
     pub(super) looked: u16,
     pub(super) best: Sample<R>,
     best_distance: R,
@@ -63,11 +63,6 @@ impl<R: Real> Sample<R> {
             None => Sample { at: reference, lag: R::ZERO },
         }
     }
-
-    /// The next sample, `by` further along the path.
-    fn step<P: Position>(&self, path: &Path<'_, R, P>, by: R) -> Self {
-        step(path, self.at, by).map_or(*self, |moved| Sample { at: moved.to, lag: self.lag - moved.by })
-    }
 }
 
 /// Most evaluations of the path in a cycle.
@@ -75,16 +70,18 @@ pub(super) const EVALUATIONS: u8 = 6;
 /// Most evaluations in a cycle of the published bisection.
 pub(super) const BISECTIONS: u8 = 60;
 /// Samples of a cold search over ±max_lag.
-const COLD_SAMPLES: u16 = 129;
-/// Samples from the reference backwards; the others run ahead of it.
+pub(super) const COLD_SAMPLES: u16 = 130;
+/// Samples from the reference backwards; after a step from there, the others run ahead of it.
 const COLD_BEHIND: u16 = 66;
 /// This fraction of a sample's lag is added to its distance at right angles: of two legs side by side, the one near the
 /// reference wins.
-const DOUBT_PER_LAG: f64 = 0.05;
-/// Samples of a cold search in one cycle.
-const COLD_PER_CYCLE: u16 = 3;
-/// Evaluations of the descent in a cycle that also takes cold samples.
-const COLD_DESCENT: u8 = 2;
+const DOUBT_PER_LAG: f64 = 0.1;
+/// Samples of a cold search in one cycle: they cost what the search from a known foot costs at worst.
+const COLD_PER_CYCLE: u16 = 10;
+/// Most spans between two samples.
+const HOPS: u8 = 3;
+/// Cycles after the last sample in which a cold search descends, before it starts over.
+pub(super) const COLD_DESCENTS: u16 = 6;
 
 impl<R: Real> ContourSearch<R> {
     /// `max_lag_mm`: half-window of a cold search, arc length.
@@ -98,7 +95,8 @@ impl<R: Real> ContourSearch<R> {
 
     /// Contour error of `point` (mm) in this cycle; `reference` is the interpolator's position on the path.
     ///
-    /// Uses at most six evaluations of the path. Cost: usually the kernel's; at worst some three times that.
+    /// Uses at most six evaluations of the path. With no foot known it samples the path over thirteen cycles and measures no
+    /// error meanwhile ([`Flags::SEARCHING`]). Cost: usually the kernel's; at worst some three times that.
     ///
     /// A reference outside its span is clamped to the nearer end and flagged ([`Flags::REFERENCE`]); if it is infinite or not
     /// a number, no error is measured.
@@ -242,6 +240,9 @@ impl<R: Real> ContourSearch<R> {
         reference: Reference<R>,
         point: &[P; 3],
     ) -> ContourError<R> {
+        if self.is_sampling(state, path, reference, |span| span.relative(point)) {
+            return ContourError::searching();
+        }
         let mut spent = 0;
         match self.seek(state, path, reference, point, &mut spent) {
             Some(found) => self.report_found(state, path, reference, &found, spent),
@@ -249,7 +250,8 @@ impl<R: Real> ContourSearch<R> {
         }
     }
 
-    /// [`slow`](Self::slow) without the report. `None` if the path has no span there; this resets the state.
+    /// [`slow`](Self::slow) without samples and without the report. `None` if the path has no span there; this resets the
+    /// state.
     #[inline(never)]
     pub(super) fn seek<P: Position>(
         &self,
@@ -263,25 +265,15 @@ impl<R: Real> ContourSearch<R> {
             *state = ContourState::default();
             return None;
         }
-        // After a jump of the reference beyond the limit of spans, no foot is known.
         let progress = self.progress(state, path, reference);
-        let mut start = if state.warm { advance(path, state.foot, progress).map(|moved| moved.to) } else { None };
-        if start.is_none_or(|start| path.span(start.span).is_none()) {
-            state.warm = false;
-            start = Some(reference);
-        }
-        let mut start = start.unwrap_or(reference);
-        let bisect = self.method == Method::Bisection;
-        if !state.warm {
-            self.look_around(state, path, reference, point, progress, spent);
-            start = state.best.at;
-        }
-        // A cycle that took samples only refines the best of them; the cycle after the last sample descends.
-        let sampled = *spent > 0;
+        let start = match state.warm {
+            true => advance(path, state.foot, progress).map(|moved| moved.to),
+            false => Some(state.best.at),
+        };
         let window = if state.warm { window(progress) } else { self.max_lag };
-        let budget = if sampled { COLD_DESCENT } else { EVALUATIONS };
-        let budget = if bisect { BISECTIONS } else { budget };
-        let Some(mut found) = descend(path, start, point, window, bisect, budget, spent) else {
+        let bisect = self.method == Method::Bisection;
+        let budget = if bisect { BISECTIONS } else { EVALUATIONS };
+        let Some(mut found) = start.and_then(|start| descend(path, start, point, window, bisect, budget, spent)) else {
             *state = ContourState::default();
             return None;
         };
@@ -289,15 +281,47 @@ impl<R: Real> ContourSearch<R> {
         if !state.warm {
             found.flags = found.flags.and(Flags::COLD);
         }
-        if state.warm && !bracketed {
+        // After the last sample, the search either has the foot or starts over.
+        state.warm = bracketed;
+        state.looked = 0;
+        Some(found)
+    }
+
+    /// Whether the search samples the path in this cycle: it knows no foot and has not taken all samples. Takes this cycle's.
+    #[inline(always)]
+    pub(super) fn is_sampling<P: Position>(
+        &self,
+        state: &mut ContourState<R>,
+        path: &Path<'_, R, P>,
+        reference: Reference<R>,
+        point: impl Fn(&Span<R, P>) -> [R; 3],
+    ) -> bool {
+        let progress = self.progress(state, path, reference);
+        // After a jump of the reference beyond the limit of spans, no foot is known.
+        if state.warm && advance(path, state.foot, progress).is_none_or(|moved| path.span(moved.to.span).is_none()) {
             state.warm = false;
             state.looked = 0;
-        } else if !state.warm && !sampled {
-            // After the last sample, the search either has the foot or starts over.
-            state.warm = bracketed;
-            state.looked = 0;
         }
-        Some(found)
+        if state.warm || path.span(reference.span).is_none() {
+            return false;
+        }
+        let sampling = state.looked < COLD_SAMPLES;
+        if state.looked == 0 {
+            state.best_distance = R::MAX;
+            state.doubt = Doubt::none();
+            state.best = Sample { at: reference, lag: R::ZERO };
+            state.sample = state.best;
+        } else {
+            state.best = state.best.follow(path, reference, progress);
+        }
+        if sampling {
+            if state.looked > 0 {
+                state.sample = state.sample.follow(path, reference, progress);
+            }
+            self.look_around(state, path, reference, point);
+        }
+        state.reference = reference;
+        sampling
     }
 
     /// Motion of the reference since the last cycle; resets the state if it has jumped beyond the limit of spans.
@@ -317,52 +341,51 @@ impl<R: Real> ContourSearch<R> {
         })
     }
 
-    /// Takes a few samples of the path around the reference, first behind it, then ahead, and keeps the nearest. Takes none in
-    /// the cycle after the last sample, which leaves its evaluations to the descent.
+    /// Takes a few samples of the path around the reference, first behind it, then ahead, and keeps the nearest.
     #[inline(never)]
-    pub(super) fn look_around<P: Position>(
+    fn look_around<P: Position>(
         &self,
         state: &mut ContourState<R>,
         path: &Path<'_, R, P>,
         reference: Reference<R>,
-        point: &[P; 3],
-        progress: R,
-        spent: &mut u8,
+        point: impl Fn(&Span<R, P>) -> [R; 3],
     ) {
-        if state.looked == 0 {
-            state.best_distance = R::MAX;
-            state.doubt = Doubt::none();
-            state.best = Sample { at: reference, lag: R::ZERO };
-            state.sample = state.best;
-        } else {
-            state.best = state.best.follow(path, reference, progress);
-            state.sample = state.sample.follow(path, reference, progress);
-        }
-        if state.looked > COLD_SAMPLES - COLD_PER_CYCLE {
-            state.looked = COLD_SAMPLES;
-            return;
-        }
-        let spacing = self.max_lag * R::of(2.0 / f64::from(COLD_SAMPLES - COLD_PER_CYCLE));
+        let spacing = self.max_lag * R::of(2.0 / f64::from(COLD_SAMPLES - 4));
+        let first = state.looked;
+        state.looked += COLD_PER_CYCLE;
+        let mut sample = state.sample;
+        let Some(mut span) = path.span(sample.at.span) else { return };
+        let mut local = point(span);
         // At most COLD_PER_CYCLE rounds.
-        for _ in 0..COLD_PER_CYCLE {
-            if state.looked == COLD_BEHIND {
-                state.sample = Sample { at: reference, lag: R::ZERO }.step(path, spacing);
-            }
-            let Sample { at, lag } = state.sample;
-            if let Some(span) = path.span(at.span) {
-                let ([x, y, z], [px, py, pz]) = (span.local(at.t), span.relative(point));
-                let off = [x - px, y - py, z - pz];
-                *spent = spent.saturating_add(1);
-                let doubtful = R::of(DOUBT_PER_LAG) * lag;
+        for number in first..first + COLD_PER_CYCLE {
+            let mut by = if number < COLD_BEHIND { -spacing } else { spacing };
+            if number == COLD_BEHIND {
+                sample = Sample { at: reference, lag: R::ZERO };
+                let Some(home) = path.span(reference.span) else { return };
+                (span, local) = (home, point(home));
+            } else {
+                let [x, y, z] = span.local(sample.at.t);
+                let off = [x - local[0], y - local[1], z - local[2]];
+                let doubtful = R::of(DOUBT_PER_LAG) * sample.lag;
                 let distance = dot(&off, &off) + doubtful * doubtful;
                 if distance < state.best_distance {
-                    (state.best_distance, state.best) = (distance, state.sample);
+                    (state.best_distance, state.best) = (distance, sample);
                 }
             }
-            let onwards = if state.looked < COLD_BEHIND { -spacing } else { spacing };
-            state.sample = state.sample.step(path, onwards);
-            state.looked = state.looked.saturating_add(1);
+            let (t, begin) = (sample.at.t, span.arc_length(sample.at.t));
+            let to = t + by / span.arc_speed(t);
+            if to.is_in_unit() {
+                sample = Sample { at: Reference { t: to, ..sample.at }, lag: sample.lag + begin - span.arc_length(to) };
+                continue;
+            }
+            let end = if by > R::ZERO { span.length() } else { R::ZERO };
+            let left = end - begin;
+            sample.lag -= left;
+            by -= left;
+            (sample, span) = hop(path, sample, span, by);
+            local = point(span);
         }
+        state.sample = sample;
     }
 
     /// Like [`report`](Self::report), out of line, for a foot whose distance is not known yet.
@@ -400,6 +423,40 @@ impl<R: Real> ContourSearch<R> {
         }
         components(path, found, error, lag, evaluations)
     }
+}
+
+/// The sample `by` beyond the border that a sample has reached, over at most three spans; at an end of the path, the end.
+#[inline(always)]
+fn hop<'s, R: Real, P: Position>(
+    path: &Path<'s, R, P>,
+    mut sample: Sample<R>,
+    mut span: &'s Span<R, P>,
+    mut by: R,
+) -> (Sample<R>, &'s Span<R, P>) {
+    let ahead = by > R::ZERO;
+    // At most HOPS rounds.
+    for _ in 0..HOPS {
+        let next = if ahead { path.following(sample.at.span) } else { path.preceding(sample.at.span) };
+        let Some((number, there)) = next.and_then(|number| Some((number, path.span(number)?))) else {
+            sample.at.t = if ahead { R::ONE } else { R::ZERO };
+            break;
+        };
+        span = there;
+        sample.at = Reference { span: number, t: if ahead { R::ZERO } else { R::ONE } };
+        let length = there.length();
+        if by.abs() < length {
+            let to = sample.at.t + by / there.arc_speed(sample.at.t);
+            let to = to.limit(R::ZERO, R::ONE);
+            let passed = if ahead { there.arc_length(to) } else { there.arc_length(to) - length };
+            sample = Sample { at: Reference { t: to, ..sample.at }, lag: sample.lag - passed };
+            break;
+        }
+        let passed = if ahead { length } else { -length };
+        sample.at.t = R::ONE - sample.at.t;
+        sample.lag -= passed;
+        by -= passed;
+    }
+    (sample, span)
 }
 
 /// Splits the vector at a foot into its signed components.

@@ -6,8 +6,6 @@ use crate::real::Real;
 
 /// Most spans that the foot or the reference may cross in one cycle; after a larger motion the foot is lost.
 const SPANS: u32 = 8;
-/// Most spans between two samples of a cold search.
-const STEP: u32 = 3;
 /// Most spans between a foot and the reference, outside the servo cycle.
 const FAR: u32 = 64;
 
@@ -116,12 +114,6 @@ pub(super) struct Moved<R> {
 pub(super) fn advance<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R) -> Option<Moved<R>> {
     let (moved, there) = walk(path, from, by, SPANS)?;
     there.then_some(moved)
-}
-
-/// Like [`advance`], for a step between two samples: stops after three spans.
-#[inline(always)]
-pub(super) fn step<R: Real, P: Position>(path: &Path<'_, R, P>, from: Reference<R>, by: R) -> Option<Moved<R>> {
-    Some(walk(path, from, by, STEP)?.0)
 }
 
 /// Advances by `by` over at most `most` spans; also returns whether they were enough.

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! A half wave exceeds the floor on its side and takes at most 25 ms. An oscillation is suspect if four half waves in a
-//! row each exceed the last but one, on the same side, by 8 %, at a steady pace, or if A does not decay over three groups.
-//! A disturbance from outside raises two half waves and then decays.
+//! row each exceed the last but one, on the same side, by 8 %, or three by 50 %, at a steady pace, or if A does not decay
+//! over three groups. A disturbance from outside raises two half waves and then decays.
 //!
 //! A suspect oscillation starts a trial: K_p is taken out, while the integral continues. K_p did harm if the oscillation
 //! ends or falls below 40 % from the second group on, or below 90 % in the fourth. For an oscillation that did not grow,
@@ -35,9 +35,13 @@ const LONGEST_S: f64 = 0.025;
 /// Fewest half waves of a group, and its shortest time, s.
 const GROUP: u8 = 4;
 const SHORTEST_S: f64 = 0.01;
-/// Half waves in a row that rise, each by at least this factor and of at least so many cycles.
-const RISES: u8 = 4;
+/// Half waves that rise in a row are enough if their weights sum to this. A rise has at least the first factor, a steep one the
+/// second; a half wave has at least so many cycles.
+const RISES: u8 = 12;
+const RISE: u8 = 3;
+const STEEP: u8 = 4;
 const RISEN: f64 = 1.08;
+const RISEN_STEEPLY: f64 = 1.5;
 const FEWEST: u32 = 3;
 /// Groups in a row that do not decay, and the factor of a decay.
 const SUSTAINED: u8 = 2;
@@ -249,7 +253,8 @@ impl<R: Real> Harm<R> {
         let than = wave.last_but_one;
         let paced = 3 * cycles >= 2 * wave.lasted && 2 * cycles <= 3 * wave.lasted;
         let rises = paced && cycles >= FEWEST && !than.is_none() && than.is_below(1.0 / RISEN, &half);
-        wave.rises = if rises { wave.rises.saturating_add(1) } else { 0 };
+        let weight = if than.is_below(1.0 / RISEN_STEEPLY, &half) { STEEP } else { RISE };
+        wave.rises = if rises { wave.rises.saturating_add(weight) } else { 0 };
         wave.last_but_one = core::mem::replace(&mut wave.last, half);
         (wave.side, wave.lasted, wave.since, wave.area) = (side, cycles, 0, R::ZERO);
         self.group(wave, &half)

@@ -10,7 +10,7 @@ use trueaxis::contour::{ContourError, Flags, Path};
 use trueaxis::telemetry::{Record, Status};
 
 /// Maximum number of evaluations of the path in a cycle.
-const EVALUATIONS: u8 = 8;
+const EVALUATIONS: u8 = 4;
 /// Distance from the path, mm, beyond which integers saturate and single precision is too coarse.
 const FAR_MM: f64 = 1000.0;
 
@@ -75,6 +75,9 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let error = &record.encoder;
         let Some(span) = path.span(error.span).filter(|_| error.is_measured()) else { return Ok(()) };
         // The search finds the encoder's foot from the tip's. Far away, single precision is too coarse for that.
+        let settled = |error: &ContourError<R>| error.flags.has(Flags::BRACKETED) != error.flags.has(Flags::SEARCHING);
+        let found = || format!("{:?}, {error:?}", record.tip);
+        self.tally.that(Rule::ContourConsistent, settled(&record.tip) && settled(error), found)?;
         let size = error.error.to_f64() + record.tip.error.to_f64();
         if size > FAR_MM {
             return Ok(());

@@ -29,6 +29,12 @@ fn tolerance<R: Real>() -> R {
 /// K: large enough that |c|³ times the third derivative is below ε as well and need not be added to the vectors.
 const CHANGE_OF_U: f64 = 16.0;
 
+/// K as a scalar.
+#[cfg_attr(feature = "fast", inline(always))]
+pub(super) fn change_of_u<R: Real>() -> R {
+    R::of(CHANGE_OF_U)
+}
+
 /// If |b × T|² is below this times |T|², the path runs along the plane's normal and b × T has no useful direction.
 const UPRIGHT: f64 = 0.01;
 
@@ -254,7 +260,7 @@ impl<R: Real> AtTip<R> {
         }
         let squared = dot(&tangent, &tangent);
         let least = R::HALF * step.g1;
-        let change = step.u.abs() + R::of(CHANGE_OF_U);
+        let change = step.u.abs() + change_of_u();
         let t = guess + step.h + correction;
         let [error, speed] = R::roots([dot(&vector, &vector), squared]);
         let exact = uneven < R::of(4.0) * step.g1
@@ -407,7 +413,7 @@ impl<R: Real> Newton<R> {
 
 /// The trust test of a Newton step: `change` bounds |u| from the guess to here, `squared` is |T|².
 #[cfg_attr(feature = "fast", inline(always))]
-fn leaves_nothing<R: Real>(correction: R, error: R, change: R, squared: R) -> bool {
+pub(super) fn leaves_nothing<R: Real>(correction: R, error: R, change: R, squared: R) -> bool {
     // Both sides are scaled by millions so that neither is subnormal in single precision, which costs a host some hundred
     // cycles.
     let left = change * R::of(1e6) * (correction * correction);

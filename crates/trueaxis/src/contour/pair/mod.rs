@@ -30,6 +30,10 @@ pub struct PairState<R> {
     along: Tangent<R>,
     /// Whether the foot can be followed.
     swift: bool,
+    /// Whether it is a corner.
+    at_corner: bool,
+    /// Consecutive cycles without a foot.
+    unsettled: u8,
 }
 
 impl<R: Real> ContourSearch<R> {
@@ -42,10 +46,11 @@ impl<R: Real> ContourSearch<R> {
     /// other paths its binormal component has a relative error of up to cot α · κ|d|, with κ the curvature and α the
     /// angle between path and normal, and its normal component is the remainder of the distance.
     ///
-    /// Uses at most eight evaluations of the path for both; evaluations that serve both count for the tip. If they run
-    /// out before the search finds the encoder's foot, the encoder's error is measured from the tip's foot, `width` is
-    /// |d| and [`Flags::BRACKETED`] is missing. For a reference off its span see [`ContourSearch::update`]. Cost:
-    /// usually two and a half times the kernel's.
+    /// Uses at most five evaluations of the path for both, of which the frame of the plain case takes three; evaluations
+    /// that serve both count for the tip. If they run out before the search finds a foot, it continues in the next cycle:
+    /// the error has [`Flags::SEARCHING`], not [`Flags::BRACKETED`]. The encoder's is then measured from the tip's foot,
+    /// and its `width` is |d|. For a reference off its span see [`ContourSearch::update`]. Cost: usually two and a half
+    /// times the kernel's.
     #[inline(always)]
     pub fn update_pair<P: Position>(
         &self,

@@ -315,6 +315,10 @@ fn a_segment_and_its_parameter_are_a_place_on_the_path() {
         assert!(!error.is_measured() && error.flags.has(Flags::REFERENCE), "{on:?}: {error:?}");
     }
     let on = path.at(4, 0.5);
-    let error = search.update(&mut ContourState::default(), &on.path, on.reference, [5.0, 0.1, 0.0]);
+    let mut state = ContourState::default();
+    let mut error = ContourError::none();
+    for _ in 0..15 {
+        error = search.update(&mut state, &on.path, on.reference, [5.0, 0.1, 0.0]);
+    }
     assert!(error.is_measured() && (error.normal - 0.1).abs() < 1e-9, "{error:?}");
 }

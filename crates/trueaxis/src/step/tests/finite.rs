@@ -180,8 +180,10 @@ fn a_reference_off_its_piece_is_taken_at_its_end_or_refused() {
         assert!(!out.status.has(Status::CONTOUR), "{t}");
         assert!(out.tip.flags.has(Flags::NOT_FOUND) && out.tip.flags.has(Flags::REFERENCE));
         assert_eq!((out.tip.lag, out.encoder.lag, out.tip.error), (0.0, 0.0, 0.0));
-        // The next cycle continues as after any loss.
-        let next = servo.step(&mut state, &at, path.on(Reference { span: 0, t: 0.5 }), ()).record;
-        assert!(next.status.has(Status::CONTOUR) && next.tip.lag.is_finite());
+        // The search starts cold, as after any loss.
+        let step = |_| servo.step(&mut state, &at, path.on(Reference { span: 0, t: 0.5 }), ()).record;
+        let next: Vec<_> = (0..15).map(step).collect();
+        assert!(next[0].tip.flags.has(Flags::SEARCHING) && !next[0].status.has(Status::CONTOUR));
+        assert!(next[14].status.has(Status::CONTOUR) && next[14].tip.lag.is_finite());
     }
 }

@@ -44,20 +44,21 @@ impl Dearest {
 }
 
 /// The courses and the adversary that drives on them.
-struct Run<'a, R: Wire<Place = P>, P: Integer> {
+pub struct Run<'a, R: Wire<Place = P>, P: Integer> {
     machine: &'a Machine<R, P>,
     courses: &'a [Course<R, P>],
-    adversary: Adversary<'a, R, P>,
+    pub adversary: Adversary<'a, R, P>,
 }
 
 impl<'a, R: Wire<Place = P>, P: Integer> Run<'a, R, P> {
-    fn new(machine: &'a Machine<R, P>, arena: &mut Arena) -> Self {
+    /// An adversary before its first cycle.
+    pub fn new(machine: &'a Machine<R, P>, arena: &mut Arena) -> Self {
         let courses: &[_] = arena.collect((0..COURSES).map(Course::new));
         Run { machine, courses, adversary: Adversary::new(courses, recorded::recording().header().period_ns) }
     }
 
     /// Draws cycle `number` and prepares the states for it.
-    fn draw(&mut self, number: u32) -> (Moment<R, P>, PreparedCycle<'a, R, P>) {
+    pub fn draw(&mut self, number: u32) -> (Moment<R, P>, PreparedCycle<'a, R, P>) {
         let moment = self.adversary.cycle(number);
         if moment.cold {
             self.machine.restart();

@@ -151,6 +151,16 @@ impl<R: Real, P: Integer> Machine<R, P> {
         self.gauge.restart(&mut memory.gauge);
     }
 
+    /// The state of the bare form.
+    pub fn bare_state(&self) -> State<R, P, AXES> {
+        self.memory.borrow().bare
+    }
+
+    /// Replaces it.
+    pub fn set_bare_state(&self, state: &State<R, P, AXES>) {
+        self.memory.borrow_mut().bare = *state;
+    }
+
     /// Applies a change to the states of all forms.
     pub fn each_state(&self, mut change: impl FnMut(&mut State<R, P, AXES>)) {
         let memory = &mut *self.memory.borrow_mut();

@@ -10,6 +10,7 @@
 
 mod adversarial;
 mod arena;
+mod climb;
 mod dynamic;
 mod forms;
 mod gauge;
@@ -55,16 +56,18 @@ fn count<R: Wire<Place = P>, P: Integer>(scalar: &str, adversarial: bool) {
     if adversarial {
         dynamic::adversarial::<R, P>(scalar, &mut arena);
         adversarial::all::<R, P>(scalar, machine, &mut arena);
+        climb::dearest::<R, P>(scalar, machine, &mut arena);
     }
 }
 
-/// Runs up to the requested cycle.
+/// Runs what is requested.
 fn replay<R: Wire<Place = P>, P: Integer>(scalar: &str, request: Request) {
     let mut arena = Arena::take();
     let machine = Machine::flashed(recorded::recording().header().period_ns, &mut arena);
     match request {
         Request::Recorded(number) => recorded::replay::<R, P>(scalar, machine, number, &mut arena),
         Request::Adversarial(number) => adversarial::replay::<R, P>(scalar, machine, number, &mut arena),
+        Request::Climbs(number) => climb::all::<R, P>(scalar, machine, number, &mut arena),
     }
 }
 

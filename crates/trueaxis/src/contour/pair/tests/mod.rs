@@ -34,7 +34,7 @@ impl<'a> Walk<'a> {
         let on = self.path.on(reference);
         self.search.update_pair(&mut self.state, &on, &encoder, &sub(tip, encoder), at_tip, at_encoder);
         let spent = at_tip.evaluations + at_encoder.evaluations;
-        assert!(spent <= 8, "{spent} evaluations: {found:?}");
+        assert!(spent <= 5, "{spent} evaluations: {found:?}");
         found
     }
 
