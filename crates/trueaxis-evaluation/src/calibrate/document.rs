@@ -38,13 +38,13 @@ pub struct SolvedTerm {
 /// Size of an artefact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Size {
-    /// Name of the artefact.
+    /// Name of the artefact, or of one of its several sizes.
     pub name: String,
-    /// Size that the task states: mm, for a square degrees.
+    /// Size that the task states: mm, for an angle degrees.
     pub stated: f64,
     /// Size that the network finds.
     pub found: f64,
-    /// Standard error, µm; for a square, µrad.
+    /// Standard error, µm; for an angle, µrad.
     pub standard_error: f64,
 }
 
@@ -94,7 +94,7 @@ pub struct CalibrationDocument {
     pub tip_radius_mm: f64,
     /// Standard error of the radius.
     pub tip_radius_standard_error_um: f64,
-    /// Artefacts with a single size.
+    /// Sizes of the artefacts.
     pub artefacts: Vec<Size>,
     /// Drift at the visits to the reference.
     pub drift: Vec<Drift>,
@@ -120,13 +120,21 @@ impl Calibration {
             to.insert(value.key.clone(), value.value);
             errors.entry(value.of).or_default().insert(value.key, value.standard_error);
         }
-        let sizes = task.artefacts.iter().zip(&observed.sizes).filter_map(|(artefact, size)| {
-            let index = (*size)?;
-            let (start, value) = (observed.network.unknowns[index].start, solution.values[index]);
-            let square = matches!(artefact.kind, Kind::Square { .. });
-            let shown = |value: f64| if square { 90.0 + value.to_degrees() } else { value };
-            let error = solution.standard_errors[index] * if square { 1e6 } else { 1e3 };
-            Some(Size { name: artefact.name.clone(), stated: shown(start), found: shown(value), standard_error: error })
+        let sizes = task.artefacts.iter().zip(&observed.sizes).flat_map(|(artefact, sizes)| {
+            // A block that is the same as another one has the other's lengths.
+            let sizes = match &artefact.kind {
+                Kind::Block(block) if block.like.is_some() => &sizes[block.measured..],
+                _ => sizes,
+            };
+            let several = sizes.len() > 1;
+            sizes.iter().map(move |&index| {
+                let (start, value) = (observed.network.unknowns[index].start, solution.values[index]);
+                let angle = observed.angles.contains(&index);
+                let shown = |value: f64| if angle { 90.0 + value.to_degrees() } else { value };
+                let error = solution.standard_errors[index] * if angle { 1e6 } else { 1e3 };
+                let name = if several { &observed.names[index] } else { &artefact.name };
+                Size { name: name.clone(), stated: shown(start), found: shown(value), standard_error: error }
+            })
         });
         let at = |knot: Option<usize>, k: usize| knot.map_or(0.0, |index| 1e3 * solution.values[index + k]);
         let drift = observed.knots.iter().map(|&(time_s, knot)| Drift { time_s, um: [0, 1, 2].map(|k| at(knot, k)) });
@@ -176,17 +184,11 @@ impl Calibration {
                 1e3 * task.probe.repeatability_mm
             ));
         }
-        let angles: Vec<usize> = task
-            .artefacts
-            .iter()
-            .zip(&self.observed.sizes)
-            .filter_map(|(artefact, size)| size.filter(|_| matches!(artefact.kind, Kind::Square { .. })))
-            .collect();
         for (index, unknown) in self.observed.network.unknowns.iter().enumerate() {
             let away = solution.values[index] - unknown.start;
             if let Some(stated) = unknown.uncertainty.filter(|stated| away.abs() > PULLED * stated) {
                 let (factor, unit) = match index {
-                    _ if angles.contains(&index) => (1e6, "µrad"),
+                    _ if self.observed.angles.contains(&index) => (1e6, "µrad"),
                     _ if self.observed.lengths.contains(&Some(index)) => (1e6, "ppm"),
                     _ => (1e3, "µm"),
                 };

@@ -7,6 +7,7 @@
 //! The mathematics is [`trueaxis_metrology::calibration`].
 
 mod artefact;
+mod block;
 mod document;
 mod figures;
 mod foreseen;
@@ -27,6 +28,7 @@ mod touches;
 mod trips;
 
 pub use artefact::{Artefact, Kind, Place};
+pub use block::{ANGLES, Block, directions};
 pub use document::{CalibrationDocument, Drift, Size, SolvedTerm};
 pub use figures::{Residuals, residuals};
 pub use foreseen::{Expected, Foreseen, Planning, foresee, foresee_observed, planned};

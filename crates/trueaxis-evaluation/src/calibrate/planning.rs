@@ -1,6 +1,7 @@
 //! Builds the plan of a task.
 
 use super::artefact::{Artefact, Kind, Place};
+use super::block;
 use super::kinematics::Ideal;
 use super::plan::{Plan, Planned, Step, Visit};
 use super::reach::{check_steps, check_travel, check_ways};
@@ -60,6 +61,7 @@ fn set_up_text(artefact: &Artefact, place: &Place, index: usize) -> String {
             let over = if place.reversed { ", turned over" } else { "" };
             format!("square {}, first arm along {}{over}", artefact.name, place.along.letter())
         }
+        Kind::Block(ref block) => block::set_up_text(artefact, block, place),
     };
     format!("set up {how}, place {}: X{x} Y{y} Z{z}", index + 1)
 }

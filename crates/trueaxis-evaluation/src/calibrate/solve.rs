@@ -83,7 +83,7 @@ fn sizes_hold(source: &Source<'_>, observed: &Observed) -> Result<()> {
             Kind::Ball { .. } => -1.0,
             _ => continue,
         };
-        let Some(size) = observed.sizes[index] else { continue };
+        let Some(size) = observed.sizes[index].first().copied() else { continue };
         for place in 0..artefact.places.len() {
             let own = |touch: usize| {
                 let planned = &source.plan.touches[touch];
@@ -115,13 +115,17 @@ fn sizes_hold(source: &Source<'_>, observed: &Observed) -> Result<()> {
     Ok(())
 }
 
-/// Checks that plate balls and gauge faces are within the artefact's tolerance of their certificate.
+/// Checks that plate balls, gauge faces and lengths of blocks are within the artefact's tolerance of their certificate.
 fn deviations_hold(source: &Source<'_>, observed: &Observed, solution: &Solution) -> Result<()> {
-    for (artefact, own) in source.task.artefacts.iter().zip(&observed.deviations) {
-        let off = |index: &usize| solution.values[*index].abs() > artefact.tolerance_mm;
-        if let Some(index) = own.clone().find(off) {
-            let found =
-                format!("{} {:.1} µm from its certificate", observed.names[index], 1e3 * solution.values[index]);
+    let away = |index: usize| solution.values[index] - observed.network.unknowns[index].start;
+    for (of, artefact) in source.task.artefacts.iter().enumerate() {
+        let off = |index: &usize| away(*index).abs() > artefact.tolerance_mm;
+        let lengths = match &artefact.kind {
+            Kind::Block(block) => &observed.sizes[of][..block.measured],
+            _ => &[],
+        };
+        if let Some(index) = observed.deviations[of].clone().chain(lengths.iter().copied()).find(off) {
+            let found = format!("{} {:.1} µm from its certificate", observed.names[index], 1e3 * away(index));
             let needed = format!("at most {} µm: the right artefact, and its own sizes", 1e3 * artefact.tolerance_mm);
             return Err(source.error(None, found, needed));
         }

@@ -143,7 +143,10 @@ impl Task {
         if artefacts.is_empty() {
             return Err(root.missing("artefact", "at least one section [[artefact]]"));
         }
-        let artefacts = artefacts.into_iter().map(read_artefact).collect::<Result<Vec<_>, _>>()?;
+        let artefacts = artefacts.into_iter().try_fold(Vec::new(), |mut before, section| {
+            before.push(read_artefact(section, &before)?);
+            Ok(before)
+        })?;
         Ok(Task {
             file: file.into(),
             machine: machine.value.to_owned(),

@@ -1,6 +1,7 @@
 //! Error terms of a machine that touches can determine.
 
 use super::artefact::Kind;
+use super::block::directions;
 use super::task::Task;
 use trueaxis::machine::{AXES, Axis, Row, Twist};
 use trueaxis_tables::exact::{Geometry, GeometryError};
@@ -222,7 +223,8 @@ impl Terms {
 fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
     let wanted = task.wanted;
     let has = |axis: Axis| machine.settings.axes.iter().any(|own| own.axis == axis);
-    let (mut planes, mut lines) = ([false; 3], [false; 3]);
+    // Sides: faces that are touched from both sides.
+    let (mut planes, mut lines, mut sides) = ([false; 3], [false; 3], [false; 3]);
     for artefact in &task.artefacts {
         for place in &artefact.places {
             match artefact.kind {
@@ -230,6 +232,15 @@ fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
                     planes[place.normal.index() % 3] = true;
                 }
                 Kind::Gauge { .. } => lines[place.along.index() % 3] = true,
+                Kind::Block(ref block) => {
+                    let [axes, _] = directions(place);
+                    for (pair, axis) in axes.into_iter().enumerate() {
+                        let axis = axis as usize;
+                        lines[axis] |= block.measures(place, pair);
+                        sides[axis] |= pair < block.measured && axis != place.normal.index() % 3;
+                        planes[axis] |= block.measured == 3;
+                    }
+                }
                 Kind::Ball { .. } => {}
             }
         }
@@ -264,7 +275,7 @@ fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
     }
     if wanted.backlash {
         let round = task.artefacts.iter().any(|artefact| matches!(artefact.kind, Kind::Ball { .. }));
-        let touched = |axis: &Axis| has(*axis) && (round || spanned(*axis));
+        let touched = |axis: &Axis| has(*axis) && (round || spanned(*axis) || sides[axis.index() % 3]);
         terms.extend(LINEAR.into_iter().filter(touched).map(Term::Backlash));
     }
     if wanted.rotary {
