@@ -1,6 +1,7 @@
 //! Artefacts of known size, and where they are set up.
 
 use super::block::Block;
+use super::dial::Dial;
 use super::ranges::{needed, number, whole};
 use trueaxis::machine::Axis;
 use trueaxis_tables::error::FileError;
@@ -48,6 +49,8 @@ pub enum Kind {
     },
     /// A block with parallel faces.
     Block(Block),
+    /// A set-up with a dial indicator, which has no places.
+    Dial(Dial),
 }
 
 /// Where an artefact is set up.
@@ -90,6 +93,15 @@ pub struct Artefact {
     pub places: Vec<Place>,
     /// Line in the task file.
     pub line: u32,
+}
+
+impl Artefact {
+    pub(super) fn dial(&self) -> Option<&Dial> {
+        match &self.kind {
+            Kind::Dial(dial) => Some(dial),
+            _ => None,
+        }
+    }
 }
 
 /// Reads an artefact; `before`: those above it in the task.
@@ -149,7 +161,9 @@ pub(super) fn read_artefact(section: Section<'_>, before: &[Artefact]) -> Result
         }
     };
     let length_uncertainty = match shape {
-        Kind::Plate { .. } | Kind::Gauge { .. } | Kind::Block(_) => number(&section, "uncertainty_ppm", [0.001, 1000.0], " ppm")?,
+        Kind::Plate { .. } | Kind::Gauge { .. } | Kind::Block(_) => {
+            number(&section, "uncertainty_ppm", [0.001, 1000.0], " ppm")?
+        }
         _ => None,
     };
     let length_uncertainty = length_uncertainty.map(|ppm| 1e-6 * ppm);
@@ -208,7 +222,9 @@ fn read_place(section: Section<'_>, kind: &Kind) -> Result<Place, FileError> {
         place.reversed = section.boolean("reversed")?.unwrap_or(false);
         place.base = section.boolean("base")?.unwrap_or(false);
         if !block.touches_any(&place) {
-            return Err(section.missing_here("base", "base = true: a length along the normal is measured from the base"));
+            return Err(
+                section.missing_here("base", "base = true: a length along the normal is measured from the base")
+            );
         }
     }
     if matches!(kind, Kind::Square { .. }) {

@@ -78,7 +78,7 @@ pub struct CalibrationDocument {
     pub repeatability_um: f64,
     /// Root mean square of the touch displacements that the terms cause.
     pub signal_um: f64,
-    /// Every term.
+    /// Every term, and the tilts of the spindle.
     pub terms: Vec<SolvedTerm>,
     /// Covariance of the terms; its diagonal has the squares of their standard errors.
     pub covariance: CovarianceDocument,
@@ -90,7 +90,7 @@ pub struct CalibrationDocument {
     /// Standard errors under the same names, by `location` and by axis; for curves, the root mean square over the touched
     /// range.
     pub standard_errors: BTreeMap<String, BTreeMap<String, f64>>,
-    /// Effective radius of the tip.
+    /// Effective radius of the tip; 0 with dials.
     pub tip_radius_mm: f64,
     /// Standard error of the radius.
     pub tip_radius_standard_error_um: f64,
@@ -111,6 +111,13 @@ impl Calibration {
             let (unit, factor) = term.unit();
             let (value, error) = (factor * solution.values[index], factor * solution.standard_errors[index]);
             SolvedTerm { name: term.name(), value, standard_error: error, unit }
+        });
+        // The machine's files have no key for them.
+        let tilts = observed.tilts().map(|index| SolvedTerm {
+            name: observed.names[index].clone(),
+            value: 1e6 * solution.values[index],
+            standard_error: 1e6 * solution.standard_errors[index],
+            unit: "µrad",
         });
         let mut location = BTreeMap::new();
         let mut axes: BTreeMap<String, BTreeMap<String, f64>> = BTreeMap::new();
@@ -149,7 +156,7 @@ impl Calibration {
             sigma_um: 1e3 * solution.sigma_mm,
             repeatability_um: 1e3 * task.probe.repeatability_mm,
             signal_um: 1e3 * solution.signal_mm,
-            terms: found.collect(),
+            terms: found.chain(tilts).collect(),
             covariance: self.covariance(),
             location,
             axes,
@@ -174,12 +181,13 @@ impl Calibration {
     fn warnings(&self, task: &Task) -> Vec<String> {
         let (solution, terms) = (&self.solution, &self.observed.terms);
         let mut warnings = Vec::new();
-        if task.reference.is_none() {
+        if task.reference.is_none() && !task.is_read() {
             warnings.push(String::from("no reference was touched again: a drift would be in the results"));
         }
         if solution.sigma_mm > 2.0 * task.probe.repeatability_mm {
             warnings.push(format!(
-                "touches scatter by {:.2} µm, {:.2} µm is stated: form errors that the terms do not model, or a less repeatable probe",
+                "{} scatter by {:.2} µm, {:.2} µm is stated: form errors that the terms do not model, or a less repeatable probe",
+                if task.is_read() { "readings" } else { "touches" },
                 1e3 * solution.sigma_mm,
                 1e3 * task.probe.repeatability_mm
             ));

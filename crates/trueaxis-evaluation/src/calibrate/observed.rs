@@ -2,6 +2,7 @@
 
 use super::artefact::{Artefact, Kind};
 use super::block::{self, Block};
+use super::dial::{Dial, DialKind, Named, Reading};
 use super::kinematics::Ideal;
 use super::plan::{Plan, Planned};
 use super::task::Task;
@@ -27,6 +28,8 @@ pub struct Observed {
     pub sizes: Vec<Vec<usize>>,
     /// Which of the sizes are angles.
     pub angles: Vec<usize>,
+    /// First of the tilts of the spindle about X and about Y, if dials show them.
+    pub spindle: Option<usize>,
     /// Indices of the deviations of every artefact's balls (three each) or faces from its certificate, mm.
     pub deviations: Vec<Range<usize>>,
     /// Index of every artefact's overall length error; `None` if its uncertainty is not stated.
@@ -41,7 +44,18 @@ impl Observed {
     /// Whether an unknown is a term of the machine, the tip's radius or an artefact's size. The other unknowns are the
     /// positions of the artefacts, their deviations from their certificates, and the drift.
     pub(super) fn is_term_or_size(&self, index: usize) -> bool {
-        index < self.network.terms || index == self.network.tip || self.sizes.iter().any(|sizes| sizes.contains(&index))
+        let is_tilt = self.tilts().any(|tilt| tilt == index);
+        is_tilt
+            || index < self.network.terms
+            || index == self.network.tip
+            || self.sizes.iter().any(|sizes| sizes.contains(&index))
+    }
+}
+
+impl Observed {
+    /// Indices of the tilts of the spindle, rad.
+    pub fn tilts(&self) -> impl Iterator<Item = usize> + use<> {
+        self.spindle.into_iter().flat_map(|first| [first, first + 1])
     }
 }
 
@@ -55,6 +69,12 @@ impl Names {
         self.names.push(name);
         self.unknowns.push(Unknown { start, uncertainty });
         self.names.len() - 1
+    }
+
+    fn put_each(&mut self, all: Vec<Named>, named: impl Fn(String) -> String) {
+        for (name, start, uncertainty) in all {
+            self.put(named(name), start, uncertainty);
+        }
     }
 
     fn put_all<const N: usize>(&mut self, names: [String; N], start: [f64; N], uncertainty: Option<f64>) -> usize {
@@ -111,7 +131,10 @@ pub fn observe_terms(
     let artefacts = Artefacts::new(task, &ideal, &mut names);
     let knots = knots(plan, &mut names, task.reference.is_some());
     let touches = plan.touches.iter().zip(&poses).zip(responses).map(|((touch, pose), response)| Touch {
-        tip_mm: geometry.actual_pose(&pose.position, &pose.reverse).tip_mm,
+        tip_mm: {
+            let (tip, contact) = (geometry.actual_pose(&pose.position, &pose.reverse).tip_mm, contact(task, touch));
+            std::array::from_fn(|k| tip[k] + contact[k])
+        },
         surface: artefacts.surface(task, touch),
         response,
         drift: between(&knots, touch.time_s),
@@ -123,8 +146,8 @@ pub fn observe_terms(
         repeatability_mm: task.probe.repeatability_mm,
         unknowns: names.unknowns,
     };
-    let Artefacts { sizes, angles, own: deviations, lengths, places, .. } = artefacts;
-    Ok(Observed { network, names: names.names, terms, sizes, angles, deviations, lengths, places, knots })
+    let Artefacts { sizes, angles, own: deviations, lengths, places, spindle, .. } = artefacts;
+    Ok(Observed { network, names: names.names, terms, sizes, angles, spindle, deviations, lengths, places, knots })
 }
 
 /// Drift knots, one in the middle of every visit to the reference.
@@ -170,6 +193,8 @@ struct Artefacts {
     angles: Vec<usize>,
     /// Of every block; empty for another artefact.
     blocks: Vec<block::Sizes>,
+    /// First of the tilts of the spindle.
+    spindle: Option<usize>,
     /// Deviations of a plate's balls (three each) or of a gauge's faces.
     own: Vec<Range<usize>>,
     /// Length error common to a whole plate or gauge, 1.
@@ -181,6 +206,10 @@ struct Artefacts {
 impl Artefacts {
     fn new(task: &Task, ideal: &Ideal, names: &mut Names) -> Artefacts {
         let mut all = Artefacts::default();
+        if task.artefacts.iter().filter_map(Artefact::dial).any(Dial::shows_spindle) {
+            let tilt = ["X", "Y"].map(|axis| format!("tilt of the spindle about {axis}"));
+            all.spindle = Some(names.put_all(tilt, [0.0; 2], None));
+        }
         for artefact in &task.artefacts {
             let (name, uncertainty) = (&artefact.name, artefact.uncertainty);
             let mut own = 0..0;
@@ -216,6 +245,17 @@ impl Artefacts {
                     all.angles.extend(&block.angles);
                     block.lengths.iter().chain(&block.angles).copied().collect()
                 }
+                Kind::Dial(dial) => {
+                    let start = names.names.len();
+                    names.put_each(dial.own_unknowns(name), |what| what);
+                    if let DialKind::Squareness { .. } = dial.kind {
+                        all.angles.push(start);
+                        vec![start]
+                    } else {
+                        own = start..names.names.len();
+                        vec![]
+                    }
+                }
             };
             all.sizes.push(sizes);
             all.blocks.push(block);
@@ -224,6 +264,11 @@ impl Artefacts {
             let longer = |uncertainty| names.put(format!("{what} of {name}"), 0.0, Some(uncertainty));
             all.lengths.push(artefact.length_uncertainty.map(longer));
             let mut places = Vec::new();
+            for placement in 0..artefact.dial().map_or(0, |dial| dial.placements) {
+                places.push(names.names.len());
+                let of = artefact.dial().map_or_else(Vec::new, |dial| dial.place_unknowns(placement));
+                names.put_each(of, |what| format!("{what} of {name}, placement {}", placement + 1));
+            }
             for (index, place) in artefact.places.iter().enumerate() {
                 let at = |what: &str| format!("{what} of {name}, place {}", index + 1);
                 let [x, y, z] = place.at_mm;
@@ -256,6 +301,7 @@ impl Artefacts {
                         }
                         first
                     }
+                    Kind::Dial(_) => continue,
                 });
             }
             all.places.push(places);
@@ -265,6 +311,11 @@ impl Artefacts {
 
     fn surface(&self, task: &Task, touch: &Planned) -> Surface {
         let Planned { artefact, place, feature, .. } = *touch;
+        if let Some((dial, reading)) = dial_of(task, touch) {
+            let own = self.sizes[artefact].first().copied().unwrap_or(self.own[artefact].start);
+            let spindle = self.spindle.unwrap_or_default();
+            return dial.surface(reading, own, (self.places[artefact][place], spindle));
+        }
         let (of, at) = (&task.artefacts[artefact], &task.artefacts[artefact].places[place]);
         let first = self.places[artefact][place];
         let (size, own) = (self.sizes[artefact].first().copied().unwrap_or_default(), self.own[artefact].start);
@@ -302,11 +353,24 @@ impl Artefacts {
                     Surface::Face { normal: u, outward: -sense, known_mm: 0.0, parts }
                 }
             }
+            // Returned above: it has no places.
+            Kind::Dial(_) => Surface::Face { normal: [0.0; 3], outward: 1.0, known_mm: 0.0, parts: Vec::new() },
             Kind::Block(block) => {
                 block::surface(block, at, touch, &self.blocks[artefact], (first, self.lengths[artefact]))
             }
         }
     }
+}
+
+/// The reading of a touch, if it is one.
+fn dial_of<'t>(task: &'t Task, touch: &Planned) -> Option<(&'t Dial, &'t Reading)> {
+    let dial = task.artefacts.get(touch.artefact)?.dial()?;
+    Some((dial, dial.readings.get(touch.feature)?))
+}
+
+/// Contact of a dial relative to the tool.
+fn contact(task: &Task, touch: &Planned) -> [f64; 3] {
+    dial_of(task, touch).map_or([0.0; 3], |(dial, reading)| dial.contact(reading))
 }
 
 /// Puts the lengths and angles of a block; a block that is the same as another one has the other's lengths.

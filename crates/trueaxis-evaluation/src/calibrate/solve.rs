@@ -4,6 +4,7 @@ use super::artefact::Kind;
 use super::log::{Logged, read_log};
 use super::observed::{Observed, observe};
 use super::plan::Plan;
+use super::sheet::read_sheet;
 use super::source::Source;
 use super::task::Task;
 use super::trips::trips;
@@ -43,9 +44,16 @@ pub fn solved(
     file: &Path,
     note: impl FnMut(String),
 ) -> Result<(Plan, Calibration)> {
-    let log = read_log(text, file, task.dialect, note)?;
-    let plan = Plan::new(task, machine)?;
-    let trips = trips(task, &plan, &log, file)?;
+    let (plan, trips) = if task.is_read() {
+        let plan = Plan::new(task, machine)?;
+        let trips = read_sheet(task, &plan, text, file, note)?;
+        (plan, trips)
+    } else {
+        let log = read_log(text, file, task.dialect, note)?;
+        let plan = Plan::new(task, machine)?;
+        let trips = trips(task, &plan, &log, file)?;
+        (plan, trips)
+    };
     let found = calibrate(task, machine, &plan, &trips, file)?;
     Ok((plan, found))
 }
@@ -174,7 +182,8 @@ fn touches_hold(source: &Source<'_>, solution: &Solution) -> Result<()> {
     match worst {
         Some((touch, residual)) if residual.abs() > limit => {
             let found = format!(
-                "touch {} on {} {:.1} µm off the position by the other touches",
+                "{} {} on {} {:.1} µm off the position by the others",
+                source.task.word(),
                 touch + 1,
                 source.name(touch),
                 1e3 * residual

@@ -2,6 +2,7 @@
 
 use super::artefact::Kind;
 use super::block::directions;
+use super::dial::{Dial, DialKind, normal};
 use super::task::Task;
 use trueaxis::machine::{AXES, Axis, Row, Twist};
 use trueaxis_tables::exact::{Geometry, GeometryError};
@@ -241,9 +242,21 @@ fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
                         planes[axis] |= block.measured == 3;
                     }
                 }
-                Kind::Ball { .. } => {}
+                Kind::Ball { .. } | Kind::Dial(_) => {}
             }
         }
+    }
+    let dials: Vec<&Dial> = task.artefacts.iter().filter_map(|artefact| artefact.dial()).collect();
+    let mut squares = planes;
+    for dial in &dials {
+        if let DialKind::Squareness { arms, .. } = dial.kind {
+            squares[normal(arms).index() % 3] = true;
+        }
+    }
+    // The spindle's tilt to the table from its tram, and to Z from its test bar.
+    let is_tram = |dial: &&Dial| matches!(dial.kind, DialKind::Tram { .. });
+    if dials.iter().any(is_tram) && dials.iter().any(|dial| matches!(dial.kind, DialKind::Bar { .. })) {
+        (squares[0], squares[1]) = (true, true);
     }
     let sized = |kind: &Kind| matches!(kind, Kind::Ring { .. } | Kind::Plate { .. });
     // Whether a size along the axis is known.
@@ -255,7 +268,7 @@ fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
     let measured = |axis: Axis| has(axis) && (spanned(axis) || lines[axis.index() % 3]);
     let mut terms = Vec::new();
     if wanted.squareness {
-        let spanned = PLANES.iter().enumerate().filter(|(_, normal)| planes[normal.index()]);
+        let spanned = PLANES.iter().enumerate().filter(|(_, normal)| squares[normal.index()]);
         terms.extend(spanned.map(|(which, _)| Term::Squareness(which as u8)));
     }
     for axis in LINEAR.into_iter().filter(|axis| measured(*axis)) {
@@ -266,7 +279,8 @@ fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
     for axis in LINEAR {
         for other in LINEAR.into_iter().filter(|other| *other != axis) {
             let normal = LINEAR.into_iter().find(|normal| *normal != axis && *normal != other);
-            if normal.is_some_and(|normal| planes[normal.index()]) {
+            let is_read = dials.iter().any(|dial| dial.reads_curve(axis.index(), other.index()));
+            if is_read || normal.is_some_and(|normal| planes[normal.index()]) {
                 let component = other.index() as u8;
                 let degrees = 2..=wanted.straightness;
                 terms.extend(degrees.map(|degree| Term::Curve { axis, component, degree: degree as u8 }));

@@ -119,6 +119,7 @@ pub(super) fn of_place(
         }
         Kind::Square { arms_mm, points, .. } => square(task, at, *arms_mm, *points, radius),
         Kind::Block(block) => block::targets(task, block, at, radius),
+        Kind::Dial(_) => Vec::new(),
     })
 }
 

@@ -116,6 +116,8 @@ impl Real {
             Kind::Square { angle_deg, arms_mm, .. } => {
                 Real::Square { angle: angle_deg.to_radians() + off * normal(), arms: *arms_mm }
             }
+            // Without places.
+            Kind::Dial(_) => Real::Ball { diameter: 0.0 },
             Kind::Block(block) => {
                 let off = artefact.uncertainty.unwrap_or(UNKNOWN_LENGTH);
                 Real::Block(RealBlock::new(block, before, (off, longer), normal))
