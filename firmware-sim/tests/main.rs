@@ -5,6 +5,7 @@ mod calibration;
 mod command_line;
 #[cfg(target_os = "linux")]
 mod crash;
+mod dials;
 #[cfg(unix)]
 mod documentation;
 mod events;

@@ -1,6 +1,7 @@
 //! Checks of a plan against machine and probe: travel, axes, room for the tip.
 
 use super::artefact::Kind;
+use super::block;
 use super::plan::{Plan, Step};
 use super::task::Task;
 use anyhow::Result;
@@ -13,9 +14,17 @@ fn at_line(task: &Task, line: u32, key: &str, found: String, needed: String) -> 
     FileError { file: task.file.clone(), line: Some(line), column, found, needed }.into()
 }
 
-/// Checks that the tip fits between two faces of a gauge.
+/// Checks that the tip fits between two faces of a gauge, and beside a block above its base.
 pub(super) fn check_steps(task: &Task) -> Result<()> {
     for artefact in &task.artefacts {
+        if let Kind::Block(of) = &artefact.kind
+            && let Some(place) =
+                artefact.places.iter().find(|place| block::depths(of, place, task.probe.tip_radius_mm).is_none())
+        {
+            let found = format!("{} too low beside a tip of {} mm radius", artefact.name, task.probe.tip_radius_mm);
+            let needed = "a smaller tip, or the block on its longer side: two rows of touches above its base";
+            return Err(at_line(task, place.line, "artefact.place.normal", found, needed.into()));
+        }
         let Kind::Gauge { steps_mm } = &artefact.kind else { continue };
         let room = 2.0 * task.probe.tip_radius_mm + task.probe.approach_mm;
         if let Some(step) = steps_mm.windows(2).map(|pair| pair[1] - pair[0]).find(|step| *step <= room) {

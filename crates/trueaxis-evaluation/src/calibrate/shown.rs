@@ -20,7 +20,9 @@ impl CalibrationDocument {
             .iter()
             .map(|term| Quantity::new(term.name.as_str(), term.unit, term.value, known(term.standard_error)));
         let tip = known(1e-3 * self.tip_radius_standard_error_um);
-        let tip = Quantity::new("radius of the tip", "mm", self.tip_radius_mm, tip);
+        // Dials have none.
+        let tip =
+            (self.tip_radius_mm > 1e-6).then(|| Quantity::new("radius of the tip", "mm", self.tip_radius_mm, tip));
         let sizes = self.artefacts.iter().map(|size| {
             let found = Cell::fixed(size.found, 5);
             vec![size.name.as_str().into(), Cell::shortest(size.stated), found, known(size.standard_error).cell()]
@@ -41,7 +43,7 @@ impl CalibrationDocument {
             title: "Calibration".into(),
             summary: std::iter::once(touches).chain(compensated).collect(),
             notes: self.warnings.clone(),
-            tables: vec![Table::quantities("Terms", terms.chain([tip])), Table::figures("Network", network), sizes],
+            tables: vec![Table::quantities("Terms", terms.chain(tip)), Table::figures("Network", network), sizes],
             plots: [Axis::X, Axis::Y, Axis::Z]
                 .into_iter()
                 .filter_map(|axis| curves(found, axis))

@@ -1,6 +1,7 @@
 //! Selects the points of an artefact to touch, and where to approach them from.
 
 use super::artefact::{Kind, Place};
+use super::block;
 use super::kinematics::Ideal;
 use super::task::Task;
 use anyhow::Result;
@@ -11,8 +12,10 @@ const STEM_DEG: f64 = 50.0;
 
 /// Clearance above an artefact for moves over it, mm.
 const CLEAR: f64 = 10.0;
+/// Height above that at which the probe waits, mm.
+pub(super) const CLEAR_ABOVE: f64 = 20.0;
 
-fn clear_mm(task: &Task) -> f64 {
+pub(super) fn clear_mm(task: &Task) -> f64 {
     task.probe.approach_mm.max(task.probe.take_up_mm) + CLEAR
 }
 
@@ -115,11 +118,13 @@ pub(super) fn of_place(
             steps_mm.iter().enumerate().map(face).collect()
         }
         Kind::Square { arms_mm, points, .. } => square(task, at, *arms_mm, *points, radius),
+        Kind::Block(block) => block::targets(task, block, at, radius),
+        Kind::Dial(_) => Vec::new(),
     })
 }
 
 fn line_target(task: &Task, feature: usize, point: [f64; 3], approach: [f64; 3], lift: [f64; 3]) -> Target {
-    let home = moved(moved(point, approach, -task.probe.approach_mm), lift, clear_mm(task) + 20.0);
+    let home = moved(moved(point, approach, -task.probe.approach_mm), lift, clear_mm(task) + CLEAR_ABOVE);
     let from_above = [false; 3];
     Target { feature, point, approach, from_above, home, entry: home, lift: Some(lift), pose: [0.0; 3] }
 }
@@ -141,7 +146,7 @@ fn ring(task: &Task, at: &Place, reach: f64, points: usize, [from, to]: [f64; 2]
         approach,
         from_above,
         home: at.at_mm,
-        entry: moved(at.at_mm, normal, clear_mm(task) + 20.0),
+        entry: moved(at.at_mm, normal, clear_mm(task) + CLEAR_ABOVE),
         lift: None,
         pose: [0.0; 3],
     };
