@@ -5,7 +5,6 @@ mod calibration;
 mod command_line;
 #[cfg(target_os = "linux")]
 mod crash;
-mod dials;
 #[cfg(unix)]
 mod documentation;
 mod events;
@@ -23,6 +22,7 @@ mod replay;
 mod report;
 mod rtcp;
 mod settings;
+mod shop_artefacts;
 mod soak;
 #[cfg(target_os = "linux")]
 mod stall;

@@ -43,7 +43,7 @@ impl Plan {
         }
         check_travel(task, machine, &plan)?;
         check_ways(task, machine, &plan)?;
-        plan.identity = identity(&plan);
+        plan.identity = identity(&plan, &[]);
         Ok(plan)
     }
 }
@@ -73,8 +73,15 @@ fn of_readings(task: &Task, machine: &Machine) -> Result<Plan> {
             });
         }
     }
-    sheet::check_travel(task, machine, &plan)?;
-    plan.identity = identity(&plan);
+    check_travel(task, machine, &plan)?;
+    let readings = (0..plan.touches.len()).filter_map(|touch| sheet::reading(task, &plan, touch));
+    let more: Vec<f64> = readings
+        .flat_map(|(dial, reading)| {
+            let [x, y, _] = dial.contact(reading);
+            [x, y, reading.spindle_deg, reading.side, reading.reads as f64]
+        })
+        .collect();
+    plan.identity = identity(&plan, &more);
     Ok(plan)
 }
 
@@ -254,11 +261,12 @@ fn micrometre(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }
 
-/// Checksum of the touch positions.
-fn identity(plan: &Plan) -> u32 {
+/// Checksum of the touch positions and of what else tells two plans apart.
+fn identity(plan: &Plan, more: &[f64]) -> u32 {
     let mut bytes = Vec::new();
     for touch in &plan.touches {
         touch.start.iter().chain(&touch.end).for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
     }
+    more.iter().for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
     trueaxis::tcomp::checksum(&bytes)
 }

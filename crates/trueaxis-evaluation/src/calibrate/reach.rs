@@ -37,7 +37,7 @@ pub(super) fn check_steps(task: &Task) -> Result<()> {
 }
 
 /// Found and needed, if a position is outside an axis' travel.
-fn beyond(own: &AxisSettings, q: f64) -> Option<(String, String)> {
+pub(super) fn beyond(own: &AxisSettings, q: f64) -> Option<(String, String)> {
     let [low, high] = own.travel;
     let (letter, unit) = (own.axis.letter(), if own.axis.is_rotary() { "°" } else { " mm" });
     let within = (low..=high).contains(&q);
@@ -47,11 +47,13 @@ fn beyond(own: &AxisSettings, q: f64) -> Option<(String, String)> {
 /// Checks that the machine can reach the touches.
 pub(super) fn check_travel(task: &Task, machine: &Machine, plan: &Plan) -> Result<()> {
     for touch in &plan.touches {
-        let place = &task.artefacts[touch.artefact].places[touch.place];
+        let artefact = &task.artefacts[touch.artefact];
+        let place = artefact.places.get(touch.place);
+        let (line, key) = place.map_or((artefact.line, "dial"), |place| (place.line, "artefact.place"));
         for own in &machine.settings.axes {
             let k = own.axis.index();
             if let Some((at, needed)) = [touch.start[k], touch.end[k]].into_iter().find_map(|q| beyond(own, q)) {
-                return Err(at_line(task, place.line, "artefact.place", format!("a touch with {at}"), needed));
+                return Err(at_line(task, line, key, format!("a {} with {at}", task.word()), needed));
             }
         }
         if let Some(k) = (3..AXES)
@@ -60,7 +62,7 @@ pub(super) fn check_travel(task: &Task, machine: &Machine, plan: &Plan) -> Resul
             let found = format!("an angle of {}", Axis::ALL[k].letter());
             return Err(at_line(
                 task,
-                place.line,
+                line,
                 "artefact.place.rotary_deg",
                 found,
                 "axes that the machine has".into(),

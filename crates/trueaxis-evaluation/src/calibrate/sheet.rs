@@ -2,8 +2,9 @@
 
 use super::artefact::Kind;
 use super::dial::{Dial, Reading};
-use super::log::Logged;
+use super::log::{Logged, identity_of};
 use super::plan::Plan;
+use super::reach::beyond;
 use super::task::Task;
 use crate::rows::{Column, Rows};
 use anyhow::Result;
@@ -11,6 +12,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 use trueaxis::machine::Axis;
+use trueaxis_tables::Machine;
 use trueaxis_tables::error::FileError;
 
 const COLUMNS: [Column; 7] = [
@@ -23,7 +25,7 @@ const COLUMNS: [Column; 7] = [
     Column { name: "reading_mm", needed: false },
 ];
 
-/// Largest distance of a stated position from the planned one, mm or degrees.
+/// Largest distance of a stated position from the planned one, mm or degrees; the axis that the dial reads may be anywhere.
 const OFF: f64 = 0.5;
 /// Largest reading, mm: the travel of a dial.
 const TRAVEL_MM: f64 = 30.0;
@@ -40,7 +42,10 @@ pub(crate) fn reading<'t>(task: &'t Task, plan: &Plan, touch: usize) -> Option<(
 /// The sheet of a plan, with readings in µm where they are given.
 pub(crate) fn sheet(task: &Task, plan: &Plan, readings_um: Option<&[f64]>) -> String {
     let mut text = format!("# trueaxis calibrate {} readings {}\n", plan.number(), plan.touches.len());
-    text.push_str("# A reading increases as the plunger is pushed in. Every position is reached in positive travel.\n");
+    text.push_str(
+        "# A reading increases as the plunger is pushed in. Every position is reached in positive travel. The axis that the\n\
+         # dial reads stays where the dial touches for all readings of a line: type its position if it is another one.\n",
+    );
     let all = || (0..plan.touches.len()).filter_map(|touch| reading(task, plan, touch).map(|of| (touch, of)));
     let mut last = String::new();
     for (touch, (dial, reading)) in all() {
@@ -60,18 +65,25 @@ pub(crate) fn sheet(task: &Task, plan: &Plan, readings_um: Option<&[f64]>) -> St
     text
 }
 
-/// Reads a filled sheet: every reading as the position of a touch. `file` is used only in errors.
+/// Reads a filled sheet and its name for errors: every reading as the position of a touch.
 ///
 /// # Errors
 /// With line and column: readings without a unit, missing or duplicate ones, positions of another plan.
 pub(super) fn read_sheet(
     task: &Task,
+    machine: &Machine,
     plan: &Plan,
-    text: &str,
-    file: &Path,
+    (text, file): (&str, &Path),
     note: impl FnMut(String),
 ) -> Result<Vec<Logged>> {
-    let mut rows = Rows::new(text.as_bytes(), file, &COLUMNS, note)?;
+    for (line, text) in (1..).zip(text.lines()).take_while(|(_, text)| text.starts_with('#')) {
+        if let Some(other) = identity_of(text).filter(|number| *number != plan.identity) {
+            let found = format!("the sheet of plan {other:08x}");
+            let needed = format!("that of {}, which {} plans", plan.number(), task.file.display());
+            return Err(FileError { file: file.into(), line: Some(line), column: None, found, needed }.into());
+        }
+    }
+    let mut rows = Rows::new(text.as_bytes(), file, &COLUMNS, note)?.with_gaps();
     let unit_mm = match [rows.present[5], rows.present[6]] {
         [true, false] => 1e-3,
         [false, true] => 1.0,
@@ -92,16 +104,27 @@ pub(super) fn read_sheet(
         };
         let planned = [reading.at_mm[0], reading.at_mm[1], reading.at_mm[2], reading.spindle_deg];
         for (slot, (stated, planned)) in [x, y, z, spindle_deg].into_iter().zip(planned).enumerate() {
-            if rows.present[slot + 1] && (stated - planned).abs() > OFF {
+            if rows.present[slot + 1] && slot != reading.reads && (stated - planned).abs() > OFF {
                 return Err(rows.error(row.line, COLUMNS[slot + 1].name, stated, format!("{planned}, as planned")));
             }
         }
-        let value = unit_mm * if rows.present[5] { um } else { mm };
+        let (column, value) = if rows.present[5] { (COLUMNS[5].name, um) } else { (COLUMNS[6].name, mm) };
+        let value = unit_mm * value;
+        if value.is_nan() {
+            return Err(rows.error(row.line, column, "an empty cell", format!("reading {id}")));
+        }
         if value.abs() > TRAVEL_MM {
-            let column = if rows.present[5] { COLUMNS[5].name } else { COLUMNS[6].name };
             return Err(rows.error(row.line, column, format!("{value} mm"), format!("at most {TRAVEL_MM} mm")));
         }
         let mut position = super::dial::pose(reading);
+        let stated = [x, y, z][reading.reads];
+        if rows.present[reading.reads + 1] && !stated.is_nan() {
+            position[reading.reads] = stated;
+            let own = machine.settings.axis([Axis::X, Axis::Y, Axis::Z][reading.reads]);
+            if let Some((found, needed)) = own.and_then(|own| beyond(own, stated)) {
+                return Err(rows.error(row.line, COLUMNS[reading.reads + 1].name, found, needed));
+            }
+        }
         let way = dial.displacement(reading);
         (0..3).for_each(|k| position[k] += value * way[k]);
         let logged = Logged { line: row.line, position, rotary: [true; 3] };
@@ -122,27 +145,4 @@ pub(super) fn read_sheet(
         all.push(logged);
     }
     Ok(all)
-}
-
-/// Refuses a position outside the travel.
-pub(super) fn check_travel(task: &Task, machine: &trueaxis_tables::Machine, plan: &Plan) -> Result<()> {
-    for touch in &plan.touches {
-        for (k, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
-            let line = task.artefacts[touch.artefact].line;
-            let error = |found: String, needed: String| -> anyhow::Error {
-                let column = Some("dial".into());
-                FileError { file: task.file.clone(), line: Some(line), column, found, needed }.into()
-            };
-            let letter = axis.letter();
-            let Some(own) = machine.settings.axis(axis) else {
-                return Err(error(format!("a machine without {letter}"), format!("an axis {letter}")));
-            };
-            let [low, high] = own.travel;
-            if !(low..=high).contains(&touch.start[k]) {
-                let found = format!("a reading with {letter} at {:.3} mm", touch.start[k]);
-                return Err(error(found, format!("within its travel {low} to {high} mm")));
-            }
-        }
-    }
-    Ok(())
 }

@@ -29,8 +29,10 @@ impl CalibrationDocument {
         });
         let head = ["artefact", "stated", "found", &format!("{EXPANDED}, µm or µrad")];
         let sizes = Table::new("Artefacts, mm or °", head, sizes);
+        let [one, all] = if self.tip_radius_mm > 1e-6 { ["touch", "touches"] } else { ["reading", "readings"] };
+        let sigma = format!("sigma of a {one}, µm");
         let network = [
-            ("sigma of a touch, µm", Cell::number(self.sigma_um, 3)),
+            (sigma.as_str(), Cell::number(self.sigma_um, 3)),
             ("stated, µm", Cell::number(self.repeatability_um, 3)),
             ("measured, µm RMS", Cell::number(self.signal_um, 3)),
             ("degrees of freedom", Cell::count(self.degrees_of_freedom)),
@@ -38,7 +40,7 @@ impl CalibrationDocument {
             ("condition", Cell::number(self.condition, 2)),
         ];
         let compensated = self.compensated.then(|| "compensated while probed".to_owned());
-        let touches = format!("{} touches on {}", self.touches, self.machine);
+        let touches = format!("{} {all} on {}", self.touches, self.machine);
         Shown {
             title: "Calibration".into(),
             summary: std::iter::once(touches).chain(compensated).collect(),

@@ -46,7 +46,7 @@ pub fn solved(
 ) -> Result<(Plan, Calibration)> {
     let (plan, trips) = if task.is_read() {
         let plan = Plan::new(task, machine)?;
-        let trips = read_sheet(task, &plan, text, file, note)?;
+        let trips = read_sheet(task, machine, &plan, (text, file), note)?;
         (plan, trips)
     } else {
         let log = read_log(text, file, task.dialect, note)?;
