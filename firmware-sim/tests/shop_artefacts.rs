@@ -71,7 +71,8 @@ fn conditions(noise_um: Option<f64>, seed: u64) -> Conditions {
 
 fn solve(text: &str, log: &str) -> CalibrationDocument {
     let (task, machine) = (task(text), nominal());
-    let (_, found) = solved(&task, &machine, log, Path::new("log"), |_| {}).unwrap_or_else(|refused| panic!("{refused}"));
+    let (_, found) =
+        solved(&task, &machine, log, Path::new("log"), |_| {}).unwrap_or_else(|refused| panic!("{refused}"));
     found.document(&task, &machine)
 }
 

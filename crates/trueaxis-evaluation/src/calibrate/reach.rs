@@ -60,13 +60,7 @@ pub(super) fn check_travel(task: &Task, machine: &Machine, plan: &Plan) -> Resul
             .find(|k| touch.start[*k] != 0.0 && !machine.settings.axes.iter().any(|own| own.axis.index() == *k))
         {
             let found = format!("an angle of {}", Axis::ALL[k].letter());
-            return Err(at_line(
-                task,
-                line,
-                "artefact.place.rotary_deg",
-                found,
-                "axes that the machine has".into(),
-            ));
+            return Err(at_line(task, line, "artefact.place.rotary_deg", found, "axes that the machine has".into()));
         }
     }
     Ok(())

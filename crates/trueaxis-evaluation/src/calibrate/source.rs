@@ -29,7 +29,8 @@ impl Source<'_> {
     pub(super) fn refused(&self, observed: &Observed, refused: CalibrationRefusal) -> anyhow::Error {
         match refused {
             CalibrationRefusal::NotApart { combinations } => {
-                let sentences: Vec<String> = combinations.iter().map(|parts| words(parts, observed, self.task.word())).collect();
+                let sentences: Vec<String> =
+                    combinations.iter().map(|parts| words(parts, observed, self.task.word())).collect();
                 let one = sentences.first().cloned().unwrap_or_default();
                 let more = match sentences.len() {
                     0 | 1 => String::new(),
