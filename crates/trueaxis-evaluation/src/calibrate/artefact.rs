@@ -2,6 +2,7 @@
 
 use super::block::Block;
 use super::dial::Dial;
+use super::place::Place;
 use super::ranges::{needed, number, whole};
 use trueaxis::machine::Axis;
 use trueaxis_tables::error::FileError;
@@ -53,29 +54,6 @@ pub enum Kind {
     Dial(Dial),
 }
 
-/// Where an artefact is set up.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Place {
-    /// X, Y, Z of the machine with the tip's centre at the artefact's origin: centre of a ring or ball, first ball of a plate,
-    /// first face of a gauge, corner of a square; mm.
-    pub at_mm: [f64; 3],
-    /// All but balls: direction normal to it (gauge: to its row), along which the probe retracts.
-    pub normal: Axis,
-    /// Gauge and square: direction of the row or the first arm; along Z it points down, as does an upright second arm. Block:
-    /// axis of its first length.
-    pub along: Axis,
-    /// Block: axis of its second length.
-    pub across: Axis,
-    /// Whether the square is turned over about its second arm, the block about its second length.
-    pub reversed: bool,
-    /// Block: whether the face that it stands on is touched beside it.
-    pub base: bool,
-    /// A, B, C at which a ball is measured, degrees.
-    pub rotary_deg: Vec<[f64; 3]>,
-    /// Line in the task file.
-    pub line: u32,
-}
-
 /// An artefact of known size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Artefact {
@@ -96,6 +74,13 @@ pub struct Artefact {
 }
 
 impl Artefact {
+    fn block(&self) -> Option<&Block> {
+        match &self.kind {
+            Kind::Block(block) => Some(block),
+            _ => None,
+        }
+    }
+
     pub(super) fn dial(&self) -> Option<&Dial> {
         match &self.kind {
             Kind::Dial(dial) => Some(dial),
@@ -109,6 +94,7 @@ pub(super) fn read_artefact(section: Section<'_>, before: &[Artefact]) -> Result
     let line = section.first_line();
     let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
     let kind = section.string("kind")?.ok_or_else(|| section.missing_here("kind", KINDS))?;
+    let blocks: Vec<_> = before.iter().map(|of| (of.name.as_str(), of.block())).collect();
     let diameter = || needed(&section, "diameter_mm", [0.5, 2000.0], " mm", "its diameter, mm");
     let shape = match kind.value {
         "ring" => {
@@ -147,7 +133,7 @@ pub(super) fn read_artefact(section: Section<'_>, before: &[Artefact]) -> Result
             let angle_deg = number(&section, "angle_deg", [89.0, 91.0], " degrees")?.unwrap_or(90.0);
             Kind::Square { angle_deg, arms_mm: arms.value, points: whole(&section, "points", [2, 100])?.unwrap_or(6) }
         }
-        "gauge block" | "block" => Kind::Block(Block::read(&section, kind.value, before)?),
+        "gauge block" | "block" => Kind::Block(Block::read(&section, kind.value, &blocks)?),
         _ => return Err(section.wrong(&kind, KINDS)),
     };
     let um = || number(&section, "uncertainty_um", [0.001, 1e4], " um");
@@ -175,6 +161,16 @@ pub(super) fn read_artefact(section: Section<'_>, before: &[Artefact]) -> Result
     let places = places.into_iter().map(|place| read_place(place, &shape)).collect::<Result<_, _>>()?;
     section.finish(None)?;
     Ok(Artefact { name, kind: shape, uncertainty, length_uncertainty, tolerance_mm, places, line })
+}
+
+/// Reads a set-up with a dial indicator, an artefact without places.
+pub(super) fn read_dial(section: Section<'_>) -> Result<Artefact, FileError> {
+    let line = section.first_line();
+    let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
+    let kind = Kind::Dial(Dial::read(&section)?);
+    let tolerance_mm = 1e-3 * number(&section, "tolerance_um", [1.0, 1e5], " um")?.unwrap_or(150.0);
+    section.finish(None)?;
+    Ok(Artefact { name, kind, uncertainty: None, length_uncertainty: None, tolerance_mm, places: Vec::new(), line })
 }
 
 fn read_place(section: Section<'_>, kind: &Kind) -> Result<Place, FileError> {

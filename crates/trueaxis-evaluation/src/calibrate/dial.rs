@@ -15,7 +15,6 @@
 //!
 //! Source: ISO 230-1:2012, 8.2.2 (straightness), 10.3 (squareness), 10.1.4 (parallelism); Estler, NBSIR 84-2913 (reversal).
 
-use super::artefact::Artefact;
 use super::ranges::{needed, number, whole};
 use trueaxis::machine::{AXES, Axis};
 use trueaxis_metrology::calibration::{Part, Surface};
@@ -245,24 +244,20 @@ impl Dial {
     }
 }
 
-/// Reads a set-up; in a task it is an artefact without places.
-pub(super) fn read_dial(section: Section<'_>) -> Result<Artefact, FileError> {
-    let line = section.first_line();
-    let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
-    let kind = section.string("kind")?.ok_or_else(|| section.missing_here("kind", KINDS))?;
-    let at = section.numbers::<3>("at_mm")?;
-    let at = at.ok_or_else(|| section.missing_here("at_mm", "X, Y, Z of the machine at the first reading"))?.value;
-    let dial = match kind.value {
-        "straightness" => straightness(&section, at)?,
-        "squareness" => squareness(&section, at)?,
-        "tram" => tram(&section, at)?,
-        "test bar" => bar(&section, at)?,
-        _ => return Err(section.wrong(&kind, KINDS)),
-    };
-    let tolerance_mm = 1e-3 * number(&section, "tolerance_um", [1.0, 1e5], " um")?.unwrap_or(150.0);
-    section.finish(None)?;
-    let kind = super::artefact::Kind::Dial(dial);
-    Ok(Artefact { name, kind, uncertainty: None, length_uncertainty: None, tolerance_mm, places: Vec::new(), line })
+impl Dial {
+    /// Reads a set-up of a kind.
+    pub(super) fn read(section: &Section<'_>) -> Result<Dial, FileError> {
+        let kind = section.string("kind")?.ok_or_else(|| section.missing_here("kind", KINDS))?;
+        let at = section.numbers::<3>("at_mm")?;
+        let at = at.ok_or_else(|| section.missing_here("at_mm", "X, Y, Z of the machine at the first reading"))?.value;
+        match kind.value {
+            "straightness" => straightness(section, at),
+            "squareness" => squareness(section, at),
+            "tram" => tram(section, at),
+            "test bar" => bar(section, at),
+            _ => Err(section.wrong(&kind, KINDS)),
+        }
+    }
 }
 
 /// A linear axis, 0 to 2.

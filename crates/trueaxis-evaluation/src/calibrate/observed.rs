@@ -1,8 +1,9 @@
 //! The network of a task: its unknowns and their names, its touches on their surfaces.
 
 use super::artefact::{Artefact, Kind};
-use super::block::{self, Block};
+use super::block::{ANGLES, Block};
 use super::dial::{Dial, DialKind, Named, Reading};
+use super::faces::{self, Sizes};
 use super::kinematics::Ideal;
 use super::plan::{Plan, Planned};
 use super::task::Task;
@@ -192,7 +193,7 @@ struct Artefacts {
     sizes: Vec<Vec<usize>>,
     angles: Vec<usize>,
     /// Of every block; empty for another artefact.
-    blocks: Vec<block::Sizes>,
+    blocks: Vec<Sizes>,
     /// First of the tilts of the spindle.
     spindle: Option<usize>,
     /// Deviations of a plate's balls (three each) or of a gauge's faces.
@@ -213,7 +214,7 @@ impl Artefacts {
         for artefact in &task.artefacts {
             let (name, uncertainty) = (&artefact.name, artefact.uncertainty);
             let mut own = 0..0;
-            let mut block = block::Sizes::default();
+            let mut block = Sizes::default();
             let sizes = match &artefact.kind {
                 Kind::Ring { diameter_mm, .. } | Kind::Ball { diameter_mm } => {
                     vec![names.put(format!("diameter of {name}"), *diameter_mm, uncertainty)]
@@ -296,7 +297,7 @@ impl Artefacts {
                     Kind::Block(block) => {
                         let radius = task.probe.tip_radius_mm;
                         let first = names.names.len();
-                        for (what, start) in block::place_unknowns(block, place, tip, radius) {
+                        for (what, start) in faces::place_unknowns(block, place, tip, radius) {
                             names.put(at(&what), start, None);
                         }
                         first
@@ -356,7 +357,7 @@ impl Artefacts {
             // Returned above: it has no places.
             Kind::Dial(_) => Surface::Face { normal: [0.0; 3], outward: 1.0, known_mm: 0.0, parts: Vec::new() },
             Kind::Block(block) => {
-                block::surface(block, at, touch, &self.blocks[artefact], (first, self.lengths[artefact]))
+                faces::surface(block, at, feature, &self.blocks[artefact], (first, self.lengths[artefact]))
             }
         }
     }
@@ -374,9 +375,9 @@ fn contact(task: &Task, touch: &Planned) -> [f64; 3] {
 }
 
 /// Puts the lengths and angles of a block; a block that is the same as another one has the other's lengths.
-fn block_sizes(of: &Block, artefact: &Artefact, before: &[block::Sizes], names: &mut Names) -> block::Sizes {
+fn block_sizes(of: &Block, artefact: &Artefact, before: &[Sizes], names: &mut Names) -> Sizes {
     let name = &artefact.name;
-    let mut sizes = block::Sizes::default();
+    let mut sizes = Sizes::default();
     match of.like {
         Some((other, difference)) => {
             sizes.lengths.clone_from(&before[other].lengths);
@@ -392,7 +393,7 @@ fn block_sizes(of: &Block, artefact: &Artefact, before: &[block::Sizes], names: 
         }
     }
     if of.measured == 3 {
-        for [i, j] in block::ANGLES {
+        for [i, j] in ANGLES {
             let what = format!("angle {}-{} of {name}", i + 1, j + 1);
             sizes.angles.push(names.put(what, 0.0, of.angles));
         }

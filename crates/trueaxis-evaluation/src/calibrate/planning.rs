@@ -1,14 +1,16 @@
 //! Builds the plan of a task.
 
-use super::artefact::{Artefact, Kind, Place};
-use super::block;
+use super::artefact::{Artefact, Kind};
 use super::dial::pose;
+use super::faces;
 use super::kinematics::Ideal;
+use super::place::Place;
 use super::plan::{Plan, Planned, Step, Visit};
 use super::reach::{check_steps, check_travel, check_ways};
 use super::sheet;
+use super::target::Target;
 use super::task::Task;
-use super::touches::{Target, of_place};
+use super::touches::of_place;
 use anyhow::{Result, anyhow};
 use trueaxis::machine::{AXES, Axis};
 use trueaxis_tables::Machine;
@@ -105,7 +107,7 @@ fn set_up_text(artefact: &Artefact, place: &Place, index: usize) -> String {
             let over = if place.reversed { ", turned over" } else { "" };
             format!("square {}, first arm along {}{over}", artefact.name, place.along.letter())
         }
-        Kind::Block(ref block) => block::set_up_text(artefact, block, place),
+        Kind::Block(ref block) => faces::set_up_text(artefact, block, place),
         Kind::Dial(_) => artefact.name.clone(),
     };
     format!("set up {how}, place {}: X{x} Y{y} Z{z}", index + 1)

@@ -1,7 +1,7 @@
 //! Checks of a plan against machine and probe: travel, axes, room for the tip.
 
 use super::artefact::Kind;
-use super::block;
+use super::faces;
 use super::plan::{Plan, Step};
 use super::task::Task;
 use anyhow::Result;
@@ -19,7 +19,7 @@ pub(super) fn check_steps(task: &Task) -> Result<()> {
     for artefact in &task.artefacts {
         if let Kind::Block(of) = &artefact.kind
             && let Some(place) =
-                artefact.places.iter().find(|place| block::depths(of, place, task.probe.tip_radius_mm).is_none())
+                artefact.places.iter().find(|place| faces::depths(of, place, task.probe.tip_radius_mm).is_none())
         {
             let found = format!("{} too low beside a tip of {} mm radius", artefact.name, task.probe.tip_radius_mm);
             let needed = "a smaller tip, or the block on its longer side: two rows of touches above its base";

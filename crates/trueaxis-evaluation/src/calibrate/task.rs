@@ -1,7 +1,6 @@
 //! A task: machine, probe, artefacts, and the terms to determine.
 
-use super::artefact::{Artefact, Kind, read_artefact};
-use super::dial::read_dial;
+use super::artefact::{Artefact, Kind, read_artefact, read_dial};
 use super::ranges::{needed, number, whole};
 use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
