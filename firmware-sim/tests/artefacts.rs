@@ -154,6 +154,9 @@ fn another_gauge_is_refused() {
     let refused = run(task.as_str(), &truth, 2, &Conditions::EXACT).unwrap_err().to_string();
     assert!(refused.contains("of gauge") && refused.contains("from its certificate"), "{refused}");
     assert!(refused.contains("at most 150 µm"), "{refused}");
+    let dials = include_str!("../../records/probing/dial.toml");
+    let refused = run(dials, &truth, 2, &Conditions::EXACT).unwrap_err().to_string();
+    assert!(refused.contains("a task with dials, needed touches"), "{refused}");
 }
 
 #[test]
