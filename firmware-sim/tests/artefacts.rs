@@ -1,4 +1,4 @@
-//! Simulated calibrations by step gauge, square and ball plate, compared with the random machine's true errors.
+//! Simulated calibrations by step gauge, square, ball plate and blocks, compared with the random machine's true errors.
 
 use std::path::Path;
 use trueaxis_evaluation::calibrate::{CalibrationDocument, Task};
@@ -9,6 +9,9 @@ use trueaxis_tables::Machine;
 /// Errors that consist only of squareness, scale and backlash.
 const STRAIGHT: Class = Class { bow_mm: 0.0, cubic_mm: 0.0, wave_mm: 0.0, ..Class::MILL };
 
+const BLOCKS: &str = include_str!("../../records/probing/blocks.toml");
+const THREE_LENGTHS: &str = include_str!("../../records/probing/1-2-3-block.toml");
+
 /// A sample task with terms of the first degree and artefacts exactly as certified.
 fn straight(task: &str) -> String {
     let changes = [
@@ -16,7 +19,12 @@ fn straight(task: &str) -> String {
         ("straightness_degree = 3", "straightness_degree = 1"),
         ("uncertainty_um = 0.5", "uncertainty_um = 0.001"),
         ("uncertainty_um = 0.3", "uncertainty_um = 0.001"),
+        ("uncertainty_um = 0.2", "uncertainty_um = 0.001"),
+        ("uncertainty_um = 0.12", "uncertainty_um = 0.001"),
+        ("uncertainty_um = 1.5", "uncertainty_um = 0.001"),
+        ("difference_um = 1.0", "difference_um = 0.001"),
         ("uncertainty_ppm = 1.0", "uncertainty_ppm = 0.001"),
+        ("uncertainty_ppm = 3.0", "uncertainty_ppm = 0.001"),
     ];
     changes.into_iter().fold(task.to_owned(), |task, (from, to)| task.replace(from, to))
 }
@@ -51,10 +59,19 @@ fn with_truth(truth: &Machine, found: &CalibrationDocument) -> Vec<(String, f64,
 #[test]
 fn terms_come_back() {
     let well_set_up = Conditions { askew_urad: 0.0, ..Conditions::EXACT };
-    for (name, task, most) in [("ring", MILL, 0.02), ("gauge", GAUGE_AND_SQUARE, 0.01), ("plate", BALL_PLATE, 0.01)] {
+    // One length at a time is no term of squareness, which the ball would show.
+    let square = Class { squareness: 0.0, ..STRAIGHT };
+    let tasks = [
+        ("ring", MILL, STRAIGHT, 0.02),
+        ("gauge", GAUGE_AND_SQUARE, STRAIGHT, 0.01),
+        ("plate", BALL_PLATE, STRAIGHT, 0.01),
+        ("gauge block", BLOCKS, square, 0.05),
+        ("block", THREE_LENGTHS, STRAIGHT, 0.05),
+    ];
+    for (name, task, class, most) in tasks {
         // LinuxCNC's log, used for even seeds, has six decimals.
         for seed in [2, 4, 6, 8, 10] {
-            let truth = random_machine(seed, &STRAIGHT);
+            let truth = random_machine(seed, &class);
             let found = calibrated(&straight(task), &truth, seed, &well_set_up);
             assert!(found.sigma_um < 1e-3, "{name}, machine {seed}: {} µm are left", found.sigma_um);
             for (term, value, there) in with_truth(&truth, &found) {
@@ -137,6 +154,9 @@ fn another_gauge_is_refused() {
     let refused = run(task.as_str(), &truth, 2, &Conditions::EXACT).unwrap_err().to_string();
     assert!(refused.contains("of gauge") && refused.contains("from its certificate"), "{refused}");
     assert!(refused.contains("at most 150 µm"), "{refused}");
+    let dials = include_str!("../../records/probing/dial.toml");
+    let refused = run(dials, &truth, 2, &Conditions::EXACT).unwrap_err().to_string();
+    assert!(refused.contains("a task with dials, needed touches"), "{refused}");
 }
 
 #[test]

@@ -22,6 +22,7 @@ mod replay;
 mod report;
 mod rtcp;
 mod settings;
+mod shop_artefacts;
 mod soak;
 #[cfg(target_os = "linux")]
 mod stall;

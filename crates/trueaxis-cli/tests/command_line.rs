@@ -572,6 +572,10 @@ fn help_examples_can_be_copied_from_a_narrow_terminal() {
     assert!(commands.lines().count() == 7 && commands.lines().all(is_one), "{commands}");
     let (file, _) = shown("calibrate");
     trueaxis_tables::read_toml(&file, Path::new("task.toml"), |_| Ok(())).unwrap();
+    let help = folder.good(&["calibrate", "--help"]);
+    let dial = help.split("in place of touches:\n\n").nth(1).unwrap().split("\n\n").next().unwrap();
+    let dial = trueaxis_evaluation::calibrate::Task::read(dial, Path::new("dial.toml")).unwrap();
+    assert!(dial.is_read() && dial.artefacts[0].name == "cylinder");
 }
 
 /// The commands below "Commands:" in a help text.

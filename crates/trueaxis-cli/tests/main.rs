@@ -28,6 +28,7 @@ mod predict;
 mod predict_servo;
 mod ranges;
 mod roundness;
+mod shop_artefacts;
 mod simulate;
 mod telemetry;
 mod thermal;

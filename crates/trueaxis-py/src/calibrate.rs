@@ -37,7 +37,8 @@ fn read(path: &Path, notes: &mut Vec<String>) -> Result<Read> {
 /// Returns
 /// -------
 /// CalibrationPlan
-///     The document of `trueaxis calibrate plan --json`, with the program's text under `program_text`.
+///     The document of `trueaxis calibrate plan --json`, with the program's text, or the sheet for the
+///     readings of a dial indicator, under `program_text`.
 ///
 /// Raises
 /// ------
@@ -53,13 +54,14 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
     let mut notes = Vec::new();
     let planned = py.detach(|| {
         let read = read(&task, &mut notes)?;
-        Planning::new(&read.task, &read.machine)
+        let what = if read.task.is_read() { "readings" } else { "touches" };
+        Ok((what, Planning::new(&read.task, &read.machine)?))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
-    let planned = to_python(planned)?;
+    let (what, planned) = to_python(planned)?;
     let document = json::dictionary(py, &planned.foreseen)?;
     document.set_item("program_text", planned.program)?;
-    let text = format!("{} touches, about {:.0} min\n", planned.foreseen.touches, planned.foreseen.minutes.ceil());
+    let text = format!("{} {what}, about {:.0} min\n", planned.foreseen.touches, planned.foreseen.minutes.ceil());
     table_result("CalibrationPlan", document, "Probing program", (text, planned.foreseen.expected()))
 }
 
@@ -70,7 +72,8 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
 /// task : path-like
 ///     The task from which the program was planned.
 /// log : path-like
-///     The control's log, or a CSV file with columns id, x_mm, y_mm, z_mm[, a_deg, b_deg, c_deg], tripped.
+///     The control's log, the filled sheet of a dial indicator, or a CSV file with columns id, x_mm, y_mm, z_mm[,
+///     a_deg, b_deg, c_deg], tripped.
 /// files : bool, default False
 ///     True adds the machine's changed files under `files`, a dict of texts by name.
 /// force : bool, default False

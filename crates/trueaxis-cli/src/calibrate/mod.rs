@@ -16,7 +16,8 @@ use trueaxis_tables::files::Folder;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
-  trueaxis calibrate plan records/probing/task.toml -o probe.ngc";
+  trueaxis calibrate plan records/probing/task.toml -o probe.ngc
+  trueaxis calibrate plan records/probing/dial.toml -o sheet.csv";
 
 const SIMULATE: &str = "\
 Example:
@@ -38,7 +39,8 @@ machine's files state. --save-true writes that machine, to compare it with the m
 
 Ring, ball and the other artefacts get true sizes within their uncertainty, and are up to 0.6 mm and about 0.5 mrad \
 off their places; the tip trips pre_travel_um after the touch, within tip_uncertainty_um if that is stated. Every \
-pause lasts five minutes.";
+pause lasts five minutes. What a task leaves unknown is drawn: lengths by 20 um, form by 5 um, angles by 50 urad, a \
+bar's run-out by 5 um and 30 urad.";
 
 const SOLVE: &str = "\
 Example:
@@ -46,8 +48,7 @@ Example:
       records/probing/probe.log -o calibrated";
 
 pub(crate) const HELP: &str = "\
-TASK.toml names the machine's folder, the control, the probe, and artefacts of known size with the places they are \
-set up at:
+TASK.toml names the machine's folder, the control, the probe, and artefacts with the places they are set up at:
 
   machine = \"mill\"                  # its folder: chain and travels
   dialect = \"linuxcnc\"              # or grblhal, klipper
@@ -55,7 +56,8 @@ set up at:
   tip_radius_mm = 3.0
   [[artefact]]
   name = \"ring\"
-  kind = \"ring\"                     # ring, ball, ball plate, step gauge, square
+  kind = \"ring\"                     # ball, ball plate, step gauge, square,
+                                    # gauge block, block
   diameter_mm = 150.002
   uncertainty_um = 0.5
   [[artefact.place]]
@@ -66,6 +68,26 @@ set up at:
 
 A ring determines scales and squareness of its plane, a ball the tip's radius. A square needs its angle or a second \
 place turned over (reversed = true). A ball at several rotary_deg determines centre lines and tilts of rotary axes.
+
+A gauge block (length_mm) is an edge touched from both sides. Parallels that nobody has measured (unknown_length, \
+same_as) carry its length to the other axes. A block (size_mm) has three lengths, and shows squareness at two places, \
+at one turned over.
+
+Readings of a dial indicator, in place of touches:
+
+  machine = \"mill\"
+  [indicator]
+  repeatability_um = 1.0
+  [[dial]]
+  name = \"cylinder\"
+  kind = \"squareness\"               # straightness, tram, test bar
+  along = \"X\"                       # the table that it stands on
+  across = \"Z\"
+  at_mm = [150.0, 200.0, -280.0]    # of the machine at the first reading
+  arms_mm = [200.0, 200.0]
+
+`plan` then writes a sheet with a row for every reading, and `solve` takes it filled in. Faces, squares and bars are \
+read a second time turned by 180 degrees, in which their own errors cancel.
 All keys: docs/calibration.md";
 
 #[derive(Subcommand)]
@@ -86,7 +108,7 @@ pub(crate) struct PlanArgs {
     /// Machine, probe, artefacts and places.
     #[arg(value_name = "TASK.toml")]
     task: PathBuf,
-    /// The program [default: standard output].
+    /// The program, or the sheet for a dial's readings [default: standard output].
     #[arg(short, long, value_name = "probe.ngc")]
     output: Option<PathBuf>,
     /// Print one JSON document with the expected standard error of every term.
@@ -116,7 +138,7 @@ pub(crate) struct SolveArgs {
     /// The task that the program was planned from.
     #[arg(value_name = "TASK.toml")]
     task: PathBuf,
-    /// Log of the control, or a CSV: id, x_mm, y_mm, z_mm, tripped, and a_deg, b_deg, c_deg of rotary axes.
+    /// Log of the control, a dial's filled sheet, or a CSV: id, x_mm, y_mm, z_mm, tripped, and a_deg, b_deg, c_deg.
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// Folder to write the machine with the errors found into: the task's own, or one without a machine.toml.

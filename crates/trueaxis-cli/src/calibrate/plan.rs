@@ -21,7 +21,8 @@ pub(super) fn run(arguments: &PlanArgs) -> Result<()> {
             let minutes = counted(foreseen.minutes.ceil() as usize, "minute");
             let touches = foreseen.touches;
             let output = output.display();
-            report_line(format_args!("written {output}: {touches} touches, about {minutes} without set-ups"));
+            let what = if read.task.is_read() { "readings" } else { "touches" };
+            report_line(format_args!("written {output}: {touches} {what}, about {minutes} without set-ups"));
         }
     }
     if arguments.json {

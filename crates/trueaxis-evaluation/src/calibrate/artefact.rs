@@ -1,11 +1,14 @@
 //! Artefacts of known size, and where they are set up.
 
+use super::block::Block;
+use super::dial::Dial;
+use super::place::Place;
 use super::ranges::{needed, number, whole};
 use trueaxis::machine::Axis;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::{KeyValue, Section};
 
-const KINDS: &str = "\"ring\", \"ball\", \"ball plate\", \"step gauge\" or \"square\"";
+const KINDS: &str = "\"ring\", \"ball\", \"ball plate\", \"step gauge\", \"square\", \"gauge block\" or \"block\"";
 
 /// An artefact's shape.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,24 +48,10 @@ pub enum Kind {
         /// Number of points on each arm.
         points: usize,
     },
-}
-
-/// Where an artefact is set up.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Place {
-    /// X, Y, Z of the machine with the tip's centre at the artefact's origin: centre of a ring or ball, first ball of a plate,
-    /// first face of a gauge, corner of a square; mm.
-    pub at_mm: [f64; 3],
-    /// Ring, plate, gauge, square: direction normal to it (gauge: to its row), along which the probe retracts.
-    pub normal: Axis,
-    /// Gauge and square: direction of the row or the first arm; along Z it points down, as does an upright second arm.
-    pub along: Axis,
-    /// Whether the square is turned over about its second arm.
-    pub reversed: bool,
-    /// A, B, C at which a ball is measured, degrees.
-    pub rotary_deg: Vec<[f64; 3]>,
-    /// Line in the task file.
-    pub line: u32,
+    /// A block with parallel faces.
+    Block(Block),
+    /// A set-up with a dial indicator, which has no places.
+    Dial(Dial),
 }
 
 /// An artefact of known size.
@@ -72,9 +61,9 @@ pub struct Artefact {
     pub name: String,
     /// Shape of the artefact.
     pub kind: Kind,
-    /// Standard uncertainty of the sizes, mm (for a square, of the angle, rad); `None` if unknown.
+    /// Standard uncertainty of the sizes, mm (for a square, of the angle, rad); `None` if they are unknown.
     pub uncertainty: Option<f64>,
-    /// Plate and gauge: standard uncertainty of the overall length, 1; `None` if `uncertainty` includes it.
+    /// Plate, gauge and block: standard uncertainty of the overall length, 1; `None` if `uncertainty` includes it.
     pub length_uncertainty: Option<f64>,
     /// Largest accepted difference between a found and the stated size, mm.
     pub tolerance_mm: f64,
@@ -84,10 +73,28 @@ pub struct Artefact {
     pub line: u32,
 }
 
-pub(super) fn read_artefact(section: Section<'_>) -> Result<Artefact, FileError> {
+impl Artefact {
+    fn block(&self) -> Option<&Block> {
+        match &self.kind {
+            Kind::Block(block) => Some(block),
+            _ => None,
+        }
+    }
+
+    pub(super) fn dial(&self) -> Option<&Dial> {
+        match &self.kind {
+            Kind::Dial(dial) => Some(dial),
+            _ => None,
+        }
+    }
+}
+
+/// Reads an artefact; `before`: those above it in the task.
+pub(super) fn read_artefact(section: Section<'_>, before: &[Artefact]) -> Result<Artefact, FileError> {
     let line = section.first_line();
     let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
     let kind = section.string("kind")?.ok_or_else(|| section.missing_here("kind", KINDS))?;
+    let blocks: Vec<_> = before.iter().map(|of| (of.name.as_str(), of.block())).collect();
     let diameter = || needed(&section, "diameter_mm", [0.5, 2000.0], " mm", "its diameter, mm");
     let shape = match kind.value {
         "ring" => {
@@ -126,16 +133,23 @@ pub(super) fn read_artefact(section: Section<'_>) -> Result<Artefact, FileError>
             let angle_deg = number(&section, "angle_deg", [89.0, 91.0], " degrees")?.unwrap_or(90.0);
             Kind::Square { angle_deg, arms_mm: arms.value, points: whole(&section, "points", [2, 100])?.unwrap_or(6) }
         }
+        "gauge block" | "block" => Kind::Block(Block::read(&section, kind.value, &blocks)?),
         _ => return Err(section.wrong(&kind, KINDS)),
     };
-    let uncertainty = if matches!(shape, Kind::Square { .. }) {
-        number(&section, "uncertainty_urad", [0.001, 1e5], " urad")?.map(|urad| 1e-6 * urad)
-    } else {
-        let what = "the standard uncertainty of its size, um";
-        Some(1e-3 * needed(&section, "uncertainty_um", [0.001, 1e4], " um", what)?)
+    let um = || number(&section, "uncertainty_um", [0.001, 1e4], " um");
+    let uncertainty = match &shape {
+        Kind::Square { .. } => number(&section, "uncertainty_urad", [0.001, 1e5], " urad")?.map(|urad| 1e-6 * urad),
+        Kind::Block(block) if block.like.is_some() => None,
+        Kind::Block(_) => um()?.map(|um| 1e-3 * um),
+        _ => {
+            let missing = || section.missing_here("uncertainty_um", "the standard uncertainty of its size, um");
+            Some(1e-3 * um()?.ok_or_else(missing)?)
+        }
     };
     let length_uncertainty = match shape {
-        Kind::Plate { .. } | Kind::Gauge { .. } => number(&section, "uncertainty_ppm", [0.001, 1000.0], " ppm")?,
+        Kind::Plate { .. } | Kind::Gauge { .. } | Kind::Block(_) => {
+            number(&section, "uncertainty_ppm", [0.001, 1000.0], " ppm")?
+        }
         _ => None,
     };
     let length_uncertainty = length_uncertainty.map(|ppm| 1e-6 * ppm);
@@ -147,6 +161,16 @@ pub(super) fn read_artefact(section: Section<'_>) -> Result<Artefact, FileError>
     let places = places.into_iter().map(|place| read_place(place, &shape)).collect::<Result<_, _>>()?;
     section.finish(None)?;
     Ok(Artefact { name, kind: shape, uncertainty, length_uncertainty, tolerance_mm, places, line })
+}
+
+/// Reads a set-up with a dial indicator, an artefact without places.
+pub(super) fn read_dial(section: Section<'_>) -> Result<Artefact, FileError> {
+    let line = section.first_line();
+    let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
+    let kind = Kind::Dial(Dial::read(&section)?);
+    let tolerance_mm = 1e-3 * number(&section, "tolerance_um", [1.0, 1e5], " um")?.unwrap_or(150.0);
+    section.finish(None)?;
+    Ok(Artefact { name, kind, uncertainty: None, length_uncertainty: None, tolerance_mm, places: Vec::new(), line })
 }
 
 fn read_place(section: Section<'_>, kind: &Kind) -> Result<Place, FileError> {
@@ -163,10 +187,17 @@ fn read_place(section: Section<'_>, kind: &Kind) -> Result<Place, FileError> {
     let along = |found: Option<KeyValue<&str>>, needed: &str| {
         found.map_or_else(|| section.missing_here("along", needed), |found| section.wrong(&found, needed))
     };
-    let flat = matches!(kind, Kind::Ring { .. } | Kind::Plate { .. } | Kind::Square { .. } | Kind::Gauge { .. });
-    let mut place =
-        Place { at_mm: at.value, normal: Axis::Z, along: Axis::X, reversed: false, rotary_deg: vec![[0.0; 3]], line };
-    if flat {
+    let mut place = Place {
+        at_mm: at.value,
+        normal: Axis::Z,
+        along: Axis::X,
+        across: Axis::Y,
+        reversed: false,
+        base: false,
+        rotary_deg: vec![[0.0; 3]],
+        line,
+    };
+    if !matches!(kind, Kind::Ball { .. }) {
         place.normal = linear("normal", Axis::Z)?;
     }
     if matches!(kind, Kind::Square { .. } | Kind::Gauge { .. }) {
@@ -175,6 +206,21 @@ fn read_place(section: Section<'_>, kind: &Kind) -> Result<Place, FileError> {
         if place.along == place.normal {
             let found = section.string("along")?.or(section.string("normal")?);
             return Err(along(found, "another axis than the normal"));
+        }
+    }
+    if let Kind::Block(block) = kind {
+        place.along = linear("along", Axis::X)?;
+        place.across = linear("across", if place.along == Axis::X { Axis::Y } else { Axis::X })?;
+        if place.across == place.along {
+            let found = section.string("across")?.or(section.string("along")?);
+            return Err(along(found, "another axis across than along"));
+        }
+        place.reversed = section.boolean("reversed")?.unwrap_or(false);
+        place.base = section.boolean("base")?.unwrap_or(false);
+        if !block.touches_any(&place) {
+            return Err(
+                section.missing_here("base", "base = true: a length along the normal is measured from the base")
+            );
         }
     }
     if matches!(kind, Kind::Square { .. }) {

@@ -38,13 +38,13 @@ pub struct SolvedTerm {
 /// Size of an artefact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Size {
-    /// Name of the artefact.
+    /// Name of the artefact, or of one of its several sizes.
     pub name: String,
-    /// Size that the task states: mm, for a square degrees.
+    /// Size that the task states: mm, for an angle degrees.
     pub stated: f64,
     /// Size that the network finds.
     pub found: f64,
-    /// Standard error, µm; for a square, µrad.
+    /// Standard error, µm; for an angle, µrad.
     pub standard_error: f64,
 }
 
@@ -78,7 +78,7 @@ pub struct CalibrationDocument {
     pub repeatability_um: f64,
     /// Root mean square of the touch displacements that the terms cause.
     pub signal_um: f64,
-    /// Every term.
+    /// Every term, and the tilts of the spindle.
     pub terms: Vec<SolvedTerm>,
     /// Covariance of the terms; its diagonal has the squares of their standard errors.
     pub covariance: CovarianceDocument,
@@ -90,11 +90,11 @@ pub struct CalibrationDocument {
     /// Standard errors under the same names, by `location` and by axis; for curves, the root mean square over the touched
     /// range.
     pub standard_errors: BTreeMap<String, BTreeMap<String, f64>>,
-    /// Effective radius of the tip.
+    /// Effective radius of the tip; 0 with dials.
     pub tip_radius_mm: f64,
     /// Standard error of the radius.
     pub tip_radius_standard_error_um: f64,
-    /// Artefacts with a single size.
+    /// Sizes of the artefacts.
     pub artefacts: Vec<Size>,
     /// Drift at the visits to the reference.
     pub drift: Vec<Drift>,
@@ -112,6 +112,13 @@ impl Calibration {
             let (value, error) = (factor * solution.values[index], factor * solution.standard_errors[index]);
             SolvedTerm { name: term.name(), value, standard_error: error, unit }
         });
+        // The machine's files have no key for them.
+        let tilts = observed.tilts().map(|index| SolvedTerm {
+            name: observed.names[index].clone(),
+            value: 1e6 * solution.values[index],
+            standard_error: 1e6 * solution.standard_errors[index],
+            unit: "µrad",
+        });
         let mut location = BTreeMap::new();
         let mut axes: BTreeMap<String, BTreeMap<String, f64>> = BTreeMap::new();
         let mut errors: BTreeMap<String, BTreeMap<String, f64>> = BTreeMap::new();
@@ -120,13 +127,21 @@ impl Calibration {
             to.insert(value.key.clone(), value.value);
             errors.entry(value.of).or_default().insert(value.key, value.standard_error);
         }
-        let sizes = task.artefacts.iter().zip(&observed.sizes).filter_map(|(artefact, size)| {
-            let index = (*size)?;
-            let (start, value) = (observed.network.unknowns[index].start, solution.values[index]);
-            let square = matches!(artefact.kind, Kind::Square { .. });
-            let shown = |value: f64| if square { 90.0 + value.to_degrees() } else { value };
-            let error = solution.standard_errors[index] * if square { 1e6 } else { 1e3 };
-            Some(Size { name: artefact.name.clone(), stated: shown(start), found: shown(value), standard_error: error })
+        let sizes = task.artefacts.iter().zip(&observed.sizes).flat_map(|(artefact, sizes)| {
+            // A block that is the same as another one has the other's lengths.
+            let sizes = match &artefact.kind {
+                Kind::Block(block) if block.like.is_some() => &sizes[block.measured..],
+                _ => sizes,
+            };
+            let several = sizes.len() > 1;
+            sizes.iter().map(move |&index| {
+                let (start, value) = (observed.network.unknowns[index].start, solution.values[index]);
+                let angle = observed.angles.contains(&index);
+                let shown = |value: f64| if angle { 90.0 + value.to_degrees() } else { value };
+                let error = solution.standard_errors[index] * if angle { 1e6 } else { 1e3 };
+                let name = if several { &observed.names[index] } else { &artefact.name };
+                Size { name: name.clone(), stated: shown(start), found: shown(value), standard_error: error }
+            })
         });
         let at = |knot: Option<usize>, k: usize| knot.map_or(0.0, |index| 1e3 * solution.values[index + k]);
         let drift = observed.knots.iter().map(|&(time_s, knot)| Drift { time_s, um: [0, 1, 2].map(|k| at(knot, k)) });
@@ -141,7 +156,7 @@ impl Calibration {
             sigma_um: 1e3 * solution.sigma_mm,
             repeatability_um: 1e3 * task.probe.repeatability_mm,
             signal_um: 1e3 * solution.signal_mm,
-            terms: found.collect(),
+            terms: found.chain(tilts).collect(),
             covariance: self.covariance(),
             location,
             axes,
@@ -166,27 +181,22 @@ impl Calibration {
     fn warnings(&self, task: &Task) -> Vec<String> {
         let (solution, terms) = (&self.solution, &self.observed.terms);
         let mut warnings = Vec::new();
-        if task.reference.is_none() {
+        if task.reference.is_none() && !task.is_read() {
             warnings.push(String::from("no reference was touched again: a drift would be in the results"));
         }
         if solution.sigma_mm > 2.0 * task.probe.repeatability_mm {
             warnings.push(format!(
-                "touches scatter by {:.2} µm, {:.2} µm is stated: form errors that the terms do not model, or a less repeatable probe",
+                "{} scatter by {:.2} µm, {:.2} µm is stated: form errors that the terms do not model, or a less repeatable probe",
+                if task.is_read() { "readings" } else { "touches" },
                 1e3 * solution.sigma_mm,
                 1e3 * task.probe.repeatability_mm
             ));
         }
-        let angles: Vec<usize> = task
-            .artefacts
-            .iter()
-            .zip(&self.observed.sizes)
-            .filter_map(|(artefact, size)| size.filter(|_| matches!(artefact.kind, Kind::Square { .. })))
-            .collect();
         for (index, unknown) in self.observed.network.unknowns.iter().enumerate() {
             let away = solution.values[index] - unknown.start;
             if let Some(stated) = unknown.uncertainty.filter(|stated| away.abs() > PULLED * stated) {
                 let (factor, unit) = match index {
-                    _ if angles.contains(&index) => (1e6, "µrad"),
+                    _ if self.observed.angles.contains(&index) => (1e6, "µrad"),
                     _ if self.observed.lengths.contains(&Some(index)) => (1e6, "ppm"),
                     _ => (1e3, "µm"),
                 };

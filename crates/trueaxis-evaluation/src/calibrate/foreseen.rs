@@ -77,16 +77,21 @@ impl Planning {
             let (unit, factor) = term.unit();
             Expected { name: term.name(), standard_error: factor * error, unit }
         });
+        let tilts = observed.tilts().map(|index| Expected {
+            name: observed.names[index].clone(),
+            standard_error: 1e6 * solution.standard_errors[index],
+            unit: "µrad",
+        });
         let drift = "no [reference]: a drift while probing would be in the results";
         let foreseen = Foreseen {
             machine: machine.settings.name.to_string(),
             program: plan.number(),
             touches: plan.touches.len(),
             minutes: plan.minutes(),
-            terms: terms.collect(),
+            terms: terms.chain(tilts).collect(),
             rank: solution.rank,
             condition: solution.condition,
-            warnings: task.reference.is_none().then(|| drift.into()).into_iter().collect(),
+            warnings: (task.reference.is_none() && !task.is_read()).then(|| drift.into()).into_iter().collect(),
         };
         Ok(Planning { program: program(task, machine, &plan), plan, foreseen })
     }

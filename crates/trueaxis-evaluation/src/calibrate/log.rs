@@ -84,6 +84,12 @@ pub fn read_log(text: &str, file: &Path, dialect: Dialect, note: impl FnMut(Stri
     Ok(reader.log)
 }
 
+/// The number of the plan that a line states.
+pub(super) fn identity_of(line: &str) -> Option<u32> {
+    let (_, rest) = line.split_once("trueaxis calibrate ")?;
+    u32::from_str_radix(rest.split_whitespace().next()?, 16).ok()
+}
+
 /// The only control that writes such a line.
 fn dialect_of(line: &str) -> Option<Dialect> {
     if line.contains("[PRB:") || line.contains("[MSG:touch ") {
@@ -117,11 +123,7 @@ impl Reader<'_> {
     }
 
     fn identity(&mut self, line: u32, text: &str) -> Result<()> {
-        let Some((_, rest)) = text.split_once("trueaxis calibrate ") else { return Ok(()) };
-        let word = rest.split_whitespace().next().unwrap_or_default();
-        let Ok(identity) = u32::from_str_radix(word, 16) else {
-            return Ok(());
-        };
+        let Some(identity) = identity_of(text) else { return Ok(()) };
         match self.log.identity {
             Some((before, at)) if before != identity || !self.log.touches.is_empty() => {
                 let found = format!("a second program, {identity:08x}; the first is {before:08x} of line {at}");

@@ -7,34 +7,45 @@
 //! The mathematics is [`trueaxis_metrology::calibration`].
 
 mod artefact;
+mod block;
+mod dial;
 mod document;
+mod faces;
 mod figures;
 mod foreseen;
 mod kinematics;
 mod log;
 mod observed;
+mod place;
 mod plan;
 mod planning;
 mod program;
 pub(crate) mod ranges;
 mod reach;
+mod sheet;
 mod shown;
 mod solve;
 mod source;
+mod target;
 mod task;
 mod terms;
 mod touches;
 mod trips;
 
-pub use artefact::{Artefact, Kind, Place};
+pub use artefact::{Artefact, Kind};
+pub use block::{ANGLES, Block, directions};
+pub use dial::{Dial, DialKind, Reading};
 pub use document::{CalibrationDocument, Drift, Size, SolvedTerm};
 pub use figures::{Residuals, residuals};
 pub use foreseen::{Expected, Foreseen, Planning, foresee, foresee_observed, planned};
 pub use kinematics::Ideal;
 pub use log::{Log, Logged, read_log};
 pub use observed::{Observed, observe, observe_terms};
+pub use place::Place;
 pub use plan::{Plan, Planned, Step, Visit};
 pub use program::program;
+#[cfg(feature = "simulated")]
+pub(crate) use sheet::{reading, sheet};
 pub use solve::{Calibration, calibrate, settle, solved};
 pub use task::{Dialect, Probe, Reference, Task, Wanted};
 pub use terms::{Pose, Term, Terms, perfect};

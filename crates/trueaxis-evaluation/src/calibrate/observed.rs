@@ -1,8 +1,11 @@
 //! The network of a task: its unknowns and their names, its touches on their surfaces.
 
-use super::artefact::Kind;
+use super::artefact::{Artefact, Kind};
+use super::block::{ANGLES, Block};
+use super::dial::{Dial, DialKind, Named, Reading};
+use super::faces::{self, Sizes};
 use super::kinematics::Ideal;
-use super::plan::Plan;
+use super::plan::{Plan, Planned};
 use super::task::Task;
 use super::terms::{Pose, Terms, perfect};
 use super::touches::{across, row, square_directions};
@@ -22,8 +25,12 @@ pub struct Observed {
     pub names: Vec<String>,
     /// The machine's terms.
     pub terms: Terms,
-    /// Index of every artefact's size (diameter or angle); `None` for a step gauge.
-    pub sizes: Vec<Option<usize>>,
+    /// Indices of every artefact's sizes: diameter, lengths, and angles as deviations from 90°, rad; empty for a step gauge.
+    pub sizes: Vec<Vec<usize>>,
+    /// Which of the sizes are angles.
+    pub angles: Vec<usize>,
+    /// First of the tilts of the spindle about X and about Y, if dials show them.
+    pub spindle: Option<usize>,
     /// Indices of the deviations of every artefact's balls (three each) or faces from its certificate, mm.
     pub deviations: Vec<Range<usize>>,
     /// Index of every artefact's overall length error; `None` if its uncertainty is not stated.
@@ -38,7 +45,18 @@ impl Observed {
     /// Whether an unknown is a term of the machine, the tip's radius or an artefact's size. The other unknowns are the
     /// positions of the artefacts, their deviations from their certificates, and the drift.
     pub(super) fn is_term_or_size(&self, index: usize) -> bool {
-        index < self.network.terms || index == self.network.tip || self.sizes.contains(&Some(index))
+        let is_tilt = self.tilts().any(|tilt| tilt == index);
+        is_tilt
+            || index < self.network.terms
+            || index == self.network.tip
+            || self.sizes.iter().any(|sizes| sizes.contains(&index))
+    }
+}
+
+impl Observed {
+    /// Indices of the tilts of the spindle, rad.
+    pub fn tilts(&self) -> impl Iterator<Item = usize> + use<> {
+        self.spindle.into_iter().flat_map(|first| [first, first + 1])
     }
 }
 
@@ -52,6 +70,12 @@ impl Names {
         self.names.push(name);
         self.unknowns.push(Unknown { start, uncertainty });
         self.names.len() - 1
+    }
+
+    fn put_each(&mut self, all: Vec<Named>, named: impl Fn(String) -> String) {
+        for (name, start, uncertainty) in all {
+            self.put(named(name), start, uncertainty);
+        }
     }
 
     fn put_all<const N: usize>(&mut self, names: [String; N], start: [f64; N], uncertainty: Option<f64>) -> usize {
@@ -108,8 +132,11 @@ pub fn observe_terms(
     let artefacts = Artefacts::new(task, &ideal, &mut names);
     let knots = knots(plan, &mut names, task.reference.is_some());
     let touches = plan.touches.iter().zip(&poses).zip(responses).map(|((touch, pose), response)| Touch {
-        tip_mm: geometry.actual_pose(&pose.position, &pose.reverse).tip_mm,
-        surface: artefacts.surface(task, touch.artefact, touch.place, touch.feature),
+        tip_mm: {
+            let (tip, contact) = (geometry.actual_pose(&pose.position, &pose.reverse).tip_mm, contact(task, touch));
+            std::array::from_fn(|k| tip[k] + contact[k])
+        },
+        surface: artefacts.surface(task, touch),
         response,
         drift: between(&knots, touch.time_s),
     });
@@ -120,8 +147,8 @@ pub fn observe_terms(
         repeatability_mm: task.probe.repeatability_mm,
         unknowns: names.unknowns,
     };
-    let Artefacts { sizes, own: deviations, lengths, places } = artefacts;
-    Ok(Observed { network, names: names.names, terms, sizes, deviations, lengths, places, knots })
+    let Artefacts { sizes, angles, own: deviations, lengths, places, spindle, .. } = artefacts;
+    Ok(Observed { network, names: names.names, terms, sizes, angles, spindle, deviations, lengths, places, knots })
 }
 
 /// Drift knots, one in the middle of every visit to the reference.
@@ -161,8 +188,14 @@ fn between(knots: &[(f64, Option<usize>)], time: f64) -> Vec<(usize, f64)> {
 }
 
 /// Indices of the artefacts' unknowns.
+#[derive(Default)]
 struct Artefacts {
-    sizes: Vec<Option<usize>>,
+    sizes: Vec<Vec<usize>>,
+    angles: Vec<usize>,
+    /// Of every block; empty for another artefact.
+    blocks: Vec<Sizes>,
+    /// First of the tilts of the spindle.
+    spindle: Option<usize>,
     /// Deviations of a plate's balls (three each) or of a gauge's faces.
     own: Vec<Range<usize>>,
     /// Length error common to a whole plate or gauge, 1.
@@ -173,13 +206,18 @@ struct Artefacts {
 
 impl Artefacts {
     fn new(task: &Task, ideal: &Ideal, names: &mut Names) -> Artefacts {
-        let mut all = Artefacts { sizes: Vec::new(), own: Vec::new(), lengths: Vec::new(), places: Vec::new() };
+        let mut all = Artefacts::default();
+        if task.artefacts.iter().filter_map(Artefact::dial).any(Dial::shows_spindle) {
+            let tilt = ["X", "Y"].map(|axis| format!("tilt of the spindle about {axis}"));
+            all.spindle = Some(names.put_all(tilt, [0.0; 2], None));
+        }
         for artefact in &task.artefacts {
             let (name, uncertainty) = (&artefact.name, artefact.uncertainty);
             let mut own = 0..0;
-            let size = match &artefact.kind {
+            let mut block = Sizes::default();
+            let sizes = match &artefact.kind {
                 Kind::Ring { diameter_mm, .. } | Kind::Ball { diameter_mm } => {
-                    Some(names.put(format!("diameter of {name}"), *diameter_mm, uncertainty))
+                    vec![names.put(format!("diameter of {name}"), *diameter_mm, uncertainty)]
                 }
                 Kind::Plate { diameter_mm, balls_mm } => {
                     let size = names.put(format!("diameter of the balls of {name}"), *diameter_mm, uncertainty);
@@ -188,31 +226,56 @@ impl Artefacts {
                         let of = |axis: u8| format!("place {axis} of ball {ball} of {name}");
                         names.put_all([1, 2, 3].map(of), [0.0; 3], uncertainty);
                     }
-                    Some(size)
+                    vec![size]
                 }
                 Kind::Gauge { steps_mm } => {
                     own = names.names.len()..names.names.len() + steps_mm.len();
                     for face in 1..=steps_mm.len() {
                         names.put(format!("face {face} of {name}"), 0.0, uncertainty);
                     }
-                    None
+                    vec![]
                 }
                 Kind::Square { angle_deg, .. } => {
                     let away = (angle_deg - 90.0).to_radians();
-                    Some(names.put(format!("angle of {name}"), away, uncertainty))
+                    let angle = names.put(format!("angle of {name}"), away, uncertainty);
+                    all.angles.push(angle);
+                    vec![angle]
+                }
+                Kind::Block(of) => {
+                    block = block_sizes(of, artefact, &all.blocks, names);
+                    all.angles.extend(&block.angles);
+                    block.lengths.iter().chain(&block.angles).copied().collect()
+                }
+                Kind::Dial(dial) => {
+                    let start = names.names.len();
+                    names.put_each(dial.own_unknowns(name), |what| what);
+                    if let DialKind::Squareness { .. } = dial.kind {
+                        all.angles.push(start);
+                        vec![start]
+                    } else {
+                        own = start..names.names.len();
+                        vec![]
+                    }
                 }
             };
-            all.sizes.push(size);
+            all.sizes.push(sizes);
+            all.blocks.push(block);
             all.own.push(own);
-            let longer = |uncertainty| names.put(format!("length of {name}"), 0.0, Some(uncertainty));
+            let what = if matches!(artefact.kind, Kind::Block(_)) { "elongation" } else { "length" };
+            let longer = |uncertainty| names.put(format!("{what} of {name}"), 0.0, Some(uncertainty));
             all.lengths.push(artefact.length_uncertainty.map(longer));
             let mut places = Vec::new();
+            for placement in 0..artefact.dial().map_or(0, |dial| dial.placements) {
+                places.push(names.names.len());
+                let of = artefact.dial().map_or_else(Vec::new, |dial| dial.place_unknowns(placement));
+                names.put_each(of, |what| format!("{what} of {name}, placement {}", placement + 1));
+            }
             for (index, place) in artefact.places.iter().enumerate() {
                 let at = |what: &str| format!("{what} of {name}, place {}", index + 1);
                 let [x, y, z] = place.at_mm;
                 let tip = ideal.tip(&[x, y, z, 0.0, 0.0, 0.0]);
                 let along = |direction: [f64; 3]| (0..3).map(|k| direction[k] * tip[k]).sum::<f64>();
-                places.push(match artefact.kind {
+                places.push(match &artefact.kind {
                     Kind::Ring { .. } => {
                         let centre = across(place.normal).map(along);
                         names.put_all(["first centre", "second centre"].map(at), centre, None)
@@ -231,6 +294,15 @@ impl Artefacts {
                         let [u, v, _] = square_directions(place);
                         names.put_all(["first face", "second face", "turn"].map(at), [along(v), along(u), 0.0], None)
                     }
+                    Kind::Block(block) => {
+                        let radius = task.probe.tip_radius_mm;
+                        let first = names.names.len();
+                        for (what, start) in faces::place_unknowns(block, place, tip, radius) {
+                            names.put(at(&what), start, None);
+                        }
+                        first
+                    }
+                    Kind::Dial(_) => continue,
                 });
             }
             all.places.push(places);
@@ -238,10 +310,16 @@ impl Artefacts {
         all
     }
 
-    fn surface(&self, task: &Task, artefact: usize, place: usize, feature: usize) -> Surface {
+    fn surface(&self, task: &Task, touch: &Planned) -> Surface {
+        let Planned { artefact, place, feature, .. } = *touch;
+        if let Some((dial, reading)) = dial_of(task, touch) {
+            let own = self.sizes[artefact].first().copied().unwrap_or(self.own[artefact].start);
+            let spindle = self.spindle.unwrap_or_default();
+            return dial.surface(reading, own, (self.places[artefact][place], spindle));
+        }
         let (of, at) = (&task.artefacts[artefact], &task.artefacts[artefact].places[place]);
         let first = self.places[artefact][place];
-        let (size, own) = (self.sizes[artefact].unwrap_or_default(), self.own[artefact].start);
+        let (size, own) = (self.sizes[artefact].first().copied().unwrap_or_default(), self.own[artefact].start);
         match &of.kind {
             Kind::Ring { .. } => Surface::Bore { diameter: size, centre: first, plane: across(at.normal) },
             Kind::Ball { .. } => {
@@ -276,8 +354,51 @@ impl Artefacts {
                     Surface::Face { normal: u, outward: -sense, known_mm: 0.0, parts }
                 }
             }
+            // Returned above: it has no places.
+            Kind::Dial(_) => Surface::Face { normal: [0.0; 3], outward: 1.0, known_mm: 0.0, parts: Vec::new() },
+            Kind::Block(block) => {
+                faces::surface(block, at, feature, &self.blocks[artefact], (first, self.lengths[artefact]))
+            }
         }
     }
+}
+
+/// The reading of a touch, if it is one.
+fn dial_of<'t>(task: &'t Task, touch: &Planned) -> Option<(&'t Dial, &'t Reading)> {
+    let dial = task.artefacts.get(touch.artefact)?.dial()?;
+    Some((dial, dial.readings.get(touch.feature)?))
+}
+
+/// Contact of a dial relative to the tool.
+fn contact(task: &Task, touch: &Planned) -> [f64; 3] {
+    dial_of(task, touch).map_or([0.0; 3], |(dial, reading)| dial.contact(reading))
+}
+
+/// Puts the lengths and angles of a block; a block that is the same as another one has the other's lengths.
+fn block_sizes(of: &Block, artefact: &Artefact, before: &[Sizes], names: &mut Names) -> Sizes {
+    let name = &artefact.name;
+    let mut sizes = Sizes::default();
+    match of.like {
+        Some((other, difference)) => {
+            sizes.lengths.clone_from(&before[other].lengths);
+            for index in 0..of.measured {
+                let what = format!("difference of {}", of.length_name(index, name));
+                sizes.differences.push(names.put(what, 0.0, Some(difference)));
+            }
+        }
+        None => {
+            for (index, mm) in of.size_mm.iter().enumerate().take(of.measured) {
+                sizes.lengths.push(names.put(of.length_name(index, name), *mm, artefact.uncertainty));
+            }
+        }
+    }
+    if of.measured == 3 {
+        for [i, j] in ANGLES {
+            let what = format!("angle {}-{} of {name}", i + 1, j + 1);
+            sizes.angles.push(names.put(what, 0.0, of.angles));
+        }
+    }
+    sizes
 }
 
 fn unit(axis: Axis) -> [f64; 3] {

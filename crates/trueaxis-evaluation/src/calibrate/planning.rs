@@ -1,17 +1,24 @@
 //! Builds the plan of a task.
 
-use super::artefact::{Artefact, Kind, Place};
+use super::artefact::{Artefact, Kind};
+use super::dial::pose;
+use super::faces;
 use super::kinematics::Ideal;
+use super::place::Place;
 use super::plan::{Plan, Planned, Step, Visit};
 use super::reach::{check_steps, check_travel, check_ways};
+use super::sheet;
+use super::target::Target;
 use super::task::Task;
-use super::touches::{Target, of_place};
+use super::touches::of_place;
 use anyhow::{Result, anyhow};
 use trueaxis::machine::{AXES, Axis};
 use trueaxis_tables::Machine;
 
 /// Speed of rapid moves for the estimate of time, mm/min.
 const RAPID: f64 = 6000.0;
+/// Time for a reading of a dial, s.
+const READING_S: f64 = 20.0;
 
 impl Plan {
     /// Plans a task on a machine; the machine's tables are not used.
@@ -19,6 +26,9 @@ impl Plan {
     /// # Errors
     /// With the line of the task: a place outside the machine's travel, an axis that the machine lacks.
     pub fn new(task: &Task, machine: &Machine) -> Result<Plan> {
+        if task.is_read() {
+            return of_readings(task, machine);
+        }
         let ideal = Ideal::new(machine)?;
         let safe_z = safe_z(task, machine)?;
         check_steps(task)?;
@@ -35,9 +45,46 @@ impl Plan {
         }
         check_travel(task, machine, &plan)?;
         check_ways(task, machine, &plan)?;
-        plan.identity = identity(&plan);
+        plan.identity = identity(&plan, &[]);
         Ok(plan)
     }
+}
+
+/// The readings of a task's dials: every reading is a touch without a move.
+fn of_readings(task: &Task, machine: &Machine) -> Result<Plan> {
+    let mut plan = Plan { steps: Vec::new(), touches: Vec::new(), visits: Vec::new(), identity: 0 };
+    for (artefact, of) in task.artefacts.iter().enumerate() {
+        let Kind::Dial(dial) = &of.kind else { continue };
+        for (feature, reading) in dial.readings.iter().enumerate() {
+            let place = reading.placement;
+            if plan.visits.last().is_none_or(|last| (last.artefact, last.place) != (artefact, place)) {
+                let set_up = plan.visits.len();
+                plan.visits.push(Visit { artefact, place, reference: false, set_up });
+            }
+            let start = pose(reading);
+            plan.touches.push(Planned {
+                artefact,
+                place,
+                feature,
+                start,
+                end: start,
+                take_up: reading.at_mm,
+                reverse: [0.0; 3],
+                time_s: READING_S * (plan.touches.len() + 1) as f64,
+                visit: plan.visits.len() - 1,
+            });
+        }
+    }
+    check_travel(task, machine, &plan)?;
+    let readings = (0..plan.touches.len()).filter_map(|touch| sheet::reading(task, &plan, touch));
+    let more: Vec<f64> = readings
+        .flat_map(|(dial, reading)| {
+            let [x, y, _] = dial.contact(reading);
+            [x, y, reading.spindle_deg, reading.side, reading.reads as f64]
+        })
+        .collect();
+    plan.identity = identity(&plan, &more);
+    Ok(plan)
 }
 
 fn safe_z(task: &Task, machine: &Machine) -> Result<f64> {
@@ -60,6 +107,8 @@ fn set_up_text(artefact: &Artefact, place: &Place, index: usize) -> String {
             let over = if place.reversed { ", turned over" } else { "" };
             format!("square {}, first arm along {}{over}", artefact.name, place.along.letter())
         }
+        Kind::Block(ref block) => faces::set_up_text(artefact, block, place),
+        Kind::Dial(_) => artefact.name.clone(),
     };
     format!("set up {how}, place {}: X{x} Y{y} Z{z}", index + 1)
 }
@@ -214,11 +263,12 @@ fn micrometre(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }
 
-/// Checksum of the touch positions.
-fn identity(plan: &Plan) -> u32 {
+/// Checksum of the touch positions and of what else tells two plans apart.
+fn identity(plan: &Plan, more: &[f64]) -> u32 {
     let mut bytes = Vec::new();
     for touch in &plan.touches {
         touch.start.iter().chain(&touch.end).for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
     }
+    more.iter().for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
     trueaxis::tcomp::checksum(&bytes)
 }

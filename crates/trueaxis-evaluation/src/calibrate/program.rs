@@ -1,6 +1,7 @@
 //! The probing program in the dialect of its control.
 
 use super::plan::{Plan, Step};
+use super::sheet::sheet;
 use super::task::{Dialect, Task};
 use std::fmt::Write;
 use trueaxis::machine::AXES;
@@ -30,7 +31,12 @@ fn words(values: impl IntoIterator<Item = (char, f64)>) -> String {
 ///
 /// Positions are machine positions: LinuxCNC and grblHAL get a coordinate system with the machine's zero (G59.3) and no tool
 /// length. Every probing move is one line, and the log states its number with its trip.
+///
+/// The program of a task with dials is the sheet for their readings.
 pub fn program(task: &Task, machine: &Machine, plan: &Plan) -> String {
+    if task.is_read() {
+        return sheet(task, plan, None);
+    }
     let mut text = String::new();
     let axes: Vec<usize> = machine.settings.axes.iter().map(|own| own.axis.index()).collect();
     let writer =

@@ -1,6 +1,7 @@
 //! Checks of a plan against machine and probe: travel, axes, room for the tip.
 
 use super::artefact::Kind;
+use super::faces;
 use super::plan::{Plan, Step};
 use super::task::Task;
 use anyhow::Result;
@@ -13,9 +14,17 @@ fn at_line(task: &Task, line: u32, key: &str, found: String, needed: String) -> 
     FileError { file: task.file.clone(), line: Some(line), column, found, needed }.into()
 }
 
-/// Checks that the tip fits between two faces of a gauge.
+/// Checks that the tip fits between two faces of a gauge, and beside a block above its base.
 pub(super) fn check_steps(task: &Task) -> Result<()> {
     for artefact in &task.artefacts {
+        if let Kind::Block(of) = &artefact.kind
+            && let Some(place) =
+                artefact.places.iter().find(|place| faces::depths(of, place, task.probe.tip_radius_mm).is_none())
+        {
+            let found = format!("{} too low beside a tip of {} mm radius", artefact.name, task.probe.tip_radius_mm);
+            let needed = "a smaller tip, or the block on its longer side: two rows of touches above its base";
+            return Err(at_line(task, place.line, "artefact.place.normal", found, needed.into()));
+        }
         let Kind::Gauge { steps_mm } = &artefact.kind else { continue };
         let room = 2.0 * task.probe.tip_radius_mm + task.probe.approach_mm;
         if let Some(step) = steps_mm.windows(2).map(|pair| pair[1] - pair[0]).find(|step| *step <= room) {
@@ -28,7 +37,7 @@ pub(super) fn check_steps(task: &Task) -> Result<()> {
 }
 
 /// Found and needed, if a position is outside an axis' travel.
-fn beyond(own: &AxisSettings, q: f64) -> Option<(String, String)> {
+pub(super) fn beyond(own: &AxisSettings, q: f64) -> Option<(String, String)> {
     let [low, high] = own.travel;
     let (letter, unit) = (own.axis.letter(), if own.axis.is_rotary() { "°" } else { " mm" });
     let within = (low..=high).contains(&q);
@@ -38,24 +47,20 @@ fn beyond(own: &AxisSettings, q: f64) -> Option<(String, String)> {
 /// Checks that the machine can reach the touches.
 pub(super) fn check_travel(task: &Task, machine: &Machine, plan: &Plan) -> Result<()> {
     for touch in &plan.touches {
-        let place = &task.artefacts[touch.artefact].places[touch.place];
+        let artefact = &task.artefacts[touch.artefact];
+        let place = artefact.places.get(touch.place);
+        let (line, key) = place.map_or((artefact.line, "dial"), |place| (place.line, "artefact.place"));
         for own in &machine.settings.axes {
             let k = own.axis.index();
             if let Some((at, needed)) = [touch.start[k], touch.end[k]].into_iter().find_map(|q| beyond(own, q)) {
-                return Err(at_line(task, place.line, "artefact.place", format!("a touch with {at}"), needed));
+                return Err(at_line(task, line, key, format!("a {} with {at}", task.word()), needed));
             }
         }
         if let Some(k) = (3..AXES)
             .find(|k| touch.start[*k] != 0.0 && !machine.settings.axes.iter().any(|own| own.axis.index() == *k))
         {
             let found = format!("an angle of {}", Axis::ALL[k].letter());
-            return Err(at_line(
-                task,
-                place.line,
-                "artefact.place.rotary_deg",
-                found,
-                "axes that the machine has".into(),
-            ));
+            return Err(at_line(task, line, "artefact.place.rotary_deg", found, "axes that the machine has".into()));
         }
     }
     Ok(())

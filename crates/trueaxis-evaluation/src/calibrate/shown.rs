@@ -20,15 +20,19 @@ impl CalibrationDocument {
             .iter()
             .map(|term| Quantity::new(term.name.as_str(), term.unit, term.value, known(term.standard_error)));
         let tip = known(1e-3 * self.tip_radius_standard_error_um);
-        let tip = Quantity::new("radius of the tip", "mm", self.tip_radius_mm, tip);
+        // Dials have none.
+        let tip =
+            (self.tip_radius_mm > 1e-6).then(|| Quantity::new("radius of the tip", "mm", self.tip_radius_mm, tip));
         let sizes = self.artefacts.iter().map(|size| {
             let found = Cell::fixed(size.found, 5);
             vec![size.name.as_str().into(), Cell::shortest(size.stated), found, known(size.standard_error).cell()]
         });
         let head = ["artefact", "stated", "found", &format!("{EXPANDED}, µm or µrad")];
         let sizes = Table::new("Artefacts, mm or °", head, sizes);
+        let [one, all] = if self.tip_radius_mm > 1e-6 { ["touch", "touches"] } else { ["reading", "readings"] };
+        let sigma = format!("sigma of a {one}, µm");
         let network = [
-            ("sigma of a touch, µm", Cell::number(self.sigma_um, 3)),
+            (sigma.as_str(), Cell::number(self.sigma_um, 3)),
             ("stated, µm", Cell::number(self.repeatability_um, 3)),
             ("measured, µm RMS", Cell::number(self.signal_um, 3)),
             ("degrees of freedom", Cell::count(self.degrees_of_freedom)),
@@ -36,12 +40,12 @@ impl CalibrationDocument {
             ("condition", Cell::number(self.condition, 2)),
         ];
         let compensated = self.compensated.then(|| "compensated while probed".to_owned());
-        let touches = format!("{} touches on {}", self.touches, self.machine);
+        let touches = format!("{} {all} on {}", self.touches, self.machine);
         Shown {
             title: "Calibration".into(),
             summary: std::iter::once(touches).chain(compensated).collect(),
             notes: self.warnings.clone(),
-            tables: vec![Table::quantities("Terms", terms.chain([tip])), Table::figures("Network", network), sizes],
+            tables: vec![Table::quantities("Terms", terms.chain(tip)), Table::figures("Network", network), sizes],
             plots: [Axis::X, Axis::Y, Axis::Z]
                 .into_iter()
                 .filter_map(|axis| curves(found, axis))

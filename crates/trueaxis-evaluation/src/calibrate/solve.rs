@@ -4,6 +4,7 @@ use super::artefact::Kind;
 use super::log::{Logged, read_log};
 use super::observed::{Observed, observe};
 use super::plan::Plan;
+use super::sheet::read_sheet;
 use super::source::Source;
 use super::task::Task;
 use super::trips::trips;
@@ -43,9 +44,16 @@ pub fn solved(
     file: &Path,
     note: impl FnMut(String),
 ) -> Result<(Plan, Calibration)> {
-    let log = read_log(text, file, task.dialect, note)?;
-    let plan = Plan::new(task, machine)?;
-    let trips = trips(task, &plan, &log, file)?;
+    let (plan, trips) = if task.is_read() {
+        let plan = Plan::new(task, machine)?;
+        let trips = read_sheet(task, machine, &plan, (text, file), note)?;
+        (plan, trips)
+    } else {
+        let log = read_log(text, file, task.dialect, note)?;
+        let plan = Plan::new(task, machine)?;
+        let trips = trips(task, &plan, &log, file)?;
+        (plan, trips)
+    };
     let found = calibrate(task, machine, &plan, &trips, file)?;
     Ok((plan, found))
 }
@@ -83,7 +91,7 @@ fn sizes_hold(source: &Source<'_>, observed: &Observed) -> Result<()> {
             Kind::Ball { .. } => -1.0,
             _ => continue,
         };
-        let Some(size) = observed.sizes[index] else { continue };
+        let Some(size) = observed.sizes[index].first().copied() else { continue };
         for place in 0..artefact.places.len() {
             let own = |touch: usize| {
                 let planned = &source.plan.touches[touch];
@@ -115,13 +123,17 @@ fn sizes_hold(source: &Source<'_>, observed: &Observed) -> Result<()> {
     Ok(())
 }
 
-/// Checks that plate balls and gauge faces are within the artefact's tolerance of their certificate.
+/// Checks that plate balls, gauge faces and lengths of blocks are within the artefact's tolerance of their certificate.
 fn deviations_hold(source: &Source<'_>, observed: &Observed, solution: &Solution) -> Result<()> {
-    for (artefact, own) in source.task.artefacts.iter().zip(&observed.deviations) {
-        let off = |index: &usize| solution.values[*index].abs() > artefact.tolerance_mm;
-        if let Some(index) = own.clone().find(off) {
-            let found =
-                format!("{} {:.1} µm from its certificate", observed.names[index], 1e3 * solution.values[index]);
+    let away = |index: usize| solution.values[index] - observed.network.unknowns[index].start;
+    for (of, artefact) in source.task.artefacts.iter().enumerate() {
+        let off = |index: &usize| away(*index).abs() > artefact.tolerance_mm;
+        let lengths = match &artefact.kind {
+            Kind::Block(block) => &observed.sizes[of][..block.measured],
+            _ => &[],
+        };
+        if let Some(index) = observed.deviations[of].clone().chain(lengths.iter().copied()).find(off) {
+            let found = format!("{} {:.1} µm from its certificate", observed.names[index], 1e3 * away(index));
             let needed = format!("at most {} µm: the right artefact, and its own sizes", 1e3 * artefact.tolerance_mm);
             return Err(source.error(None, found, needed));
         }
@@ -170,7 +182,8 @@ fn touches_hold(source: &Source<'_>, solution: &Solution) -> Result<()> {
     match worst {
         Some((touch, residual)) if residual.abs() > limit => {
             let found = format!(
-                "touch {} on {} {:.1} µm off the position by the other touches",
+                "{} {} on {} {:.1} µm off the position by the others",
+                source.task.word(),
                 touch + 1,
                 source.name(touch),
                 1e3 * residual

@@ -29,7 +29,8 @@ impl Source<'_> {
     pub(super) fn refused(&self, observed: &Observed, refused: CalibrationRefusal) -> anyhow::Error {
         match refused {
             CalibrationRefusal::NotApart { combinations } => {
-                let sentences: Vec<String> = combinations.iter().map(|parts| words(parts, observed)).collect();
+                let sentences: Vec<String> =
+                    combinations.iter().map(|parts| words(parts, observed, self.task.word())).collect();
                 let one = sentences.first().cloned().unwrap_or_default();
                 let more = match sentences.len() {
                     0 | 1 => String::new(),
@@ -43,8 +44,9 @@ impl Source<'_> {
                 FileError { file, line: None, column: None, found, needed: needed.into() }.into()
             }
             CalibrationRefusal::Unsettled { touch, residual_mm } => {
-                let found = format!("touch {} {residual_mm:.3} mm off {}", touch + 1, self.name(touch));
-                self.error(self.line(touch), found, "touches on the artefact that the task names")
+                let word = self.task.word();
+                let found = format!("{word} {} {residual_mm:.3} mm off {}", touch + 1, self.name(touch));
+                self.error(self.line(touch), found, format!("every {word} on the artefact that the task names"))
             }
             CalibrationRefusal::NotFinite { touch } => {
                 self.error(self.line(touch), "a position that is not a number", "numbers")
@@ -60,7 +62,7 @@ impl Source<'_> {
 }
 
 /// Describes a combination in words, the machine's terms first.
-fn words(parts: &[(usize, f64)], observed: &Observed) -> String {
+fn words(parts: &[(usize, f64)], observed: &Observed, word: &str) -> String {
     let mut parts = parts.to_vec();
     trueaxis_metrology::order::sort_by_number(&mut parts, |one| -one.1.abs());
     // Places only follow the terms: they are named only if nothing else can be.
@@ -70,7 +72,7 @@ fn words(parts: &[(usize, f64)], observed: &Observed) -> String {
         said.iter().take(6).filter_map(|(index, _)| observed.names.get(*index).map(String::as_str)).collect();
     let more = if said.len() > 6 { " and others" } else { "" };
     match names.split_last() {
-        Some((last, [])) => format!("determine {last}, which no touch sees"),
+        Some((last, [])) => format!("determine {last}, which no {word} sees"),
         Some((last, rest)) => format!("separate {} and {last}{more}", rest.join(", ")),
         None => String::new(),
     }

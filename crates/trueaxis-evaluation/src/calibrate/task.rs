@@ -1,6 +1,6 @@
 //! A task: machine, probe, artefacts, and the terms to determine.
 
-use super::artefact::{Artefact, Kind, read_artefact};
+use super::artefact::{Artefact, Kind, read_artefact, read_dial};
 use super::ranges::{needed, number, whole};
 use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
@@ -109,22 +109,70 @@ pub struct Task {
 }
 
 impl Task {
+    /// Whether the task has dials, whose readings are typed in, in place of touches.
+    pub fn is_read(&self) -> bool {
+        self.artefacts.iter().any(|artefact| artefact.dial().is_some())
+    }
+
+    /// The word for an observation.
+    pub fn word(&self) -> &'static str {
+        if self.is_read() { "reading" } else { "touch" }
+    }
+
     /// Reads a task file; `file` is used only in errors.
     ///
     /// # Errors
     /// Invalid TOML, unknown keys or values out of their range, with the line.
     pub fn read(text: &str, file: &Path) -> Result<Task, FileError> {
         read_toml(text.strip_prefix('\u{feff}').unwrap_or(text), file, |root| {
-            let mut task = Task::of_probing(&root, file)?;
+            let dials = root.sections("dial")?;
+            let mut task =
+                if dials.is_empty() { Task::of_probing(&root, file)? } else { Task::of_dials(&root, dials, file)? };
             task.compensated = root.boolean("compensated")?.unwrap_or(false);
             if let Some(section) = root.section("reference")? {
                 task.reference = Some(read_reference(section, &task.artefacts)?);
             }
             if let Some(section) = root.section("solve")? {
-                task.wanted = read_wanted(section)?;
+                task.wanted = read_wanted(section, task.wanted)?;
             }
             root.finish(None)?;
             Ok(task)
+        })
+    }
+
+    fn of_dials(root: &Section<'_>, dials: Vec<Section<'_>>, file: &Path) -> Result<Task, FileError> {
+        let machine = root.string("machine")?.ok_or_else(|| root.missing("machine", "the machine's folder"))?;
+        if let Some(touched) = root.sections("artefact")?.first() {
+            let needed = "touches and readings of a dial in two tasks";
+            return Err(root.at(touched.first_line(), "artefact", "an artefact beside a dial", needed));
+        }
+        let what = "the standard deviation of a reading, um";
+        let section = root.section("indicator")?.ok_or_else(|| root.missing("indicator.repeatability_um", what))?;
+        let repeatability_mm = 1e-3 * needed(&section, "repeatability_um", [0.01, 1000.0], " um", what)?;
+        section.finish(None)?;
+        let artefacts = dials.into_iter().map(read_dial).collect::<Result<Vec<_>, _>>()?;
+        Ok(Task {
+            file: file.into(),
+            machine: machine.value.to_owned(),
+            dialect: Dialect::LinuxCnc,
+            compensated: false,
+            probe: Probe {
+                // The dial's zero is unknown; nothing else is between machine and face.
+                tip_radius_mm: 0.0,
+                tip_uncertainty_mm: Some(1e-9),
+                pre_travel_mm: 0.0,
+                repeatability_mm,
+                approach_mm: 1.0,
+                overtravel_mm: 1.0,
+                take_up_mm: 1.0,
+                safe_z_mm: None,
+                probe_feed_mm_per_min: 60.0,
+                feed_mm_per_min: 1000.0,
+                repeats: 1,
+            },
+            artefacts,
+            reference: None,
+            wanted: Wanted { straightness: 3, scale: false, backlash: false, rotary: false, ..Wanted::default() },
         })
     }
 
@@ -143,7 +191,10 @@ impl Task {
         if artefacts.is_empty() {
             return Err(root.missing("artefact", "at least one section [[artefact]]"));
         }
-        let artefacts = artefacts.into_iter().map(read_artefact).collect::<Result<Vec<_>, _>>()?;
+        let artefacts = artefacts.into_iter().try_fold(Vec::new(), |mut before, section| {
+            before.push(read_artefact(section, &before)?);
+            Ok(before)
+        })?;
         Ok(Task {
             file: file.into(),
             machine: machine.value.to_owned(),
@@ -196,8 +247,7 @@ fn read_reference(section: Section<'_>, artefacts: &[Artefact]) -> Result<Refere
     Ok(Reference { artefact: found, every })
 }
 
-fn read_wanted(section: Section<'_>) -> Result<Wanted, FileError> {
-    let default = Wanted::default();
+fn read_wanted(section: Section<'_>, default: Wanted) -> Result<Wanted, FileError> {
     let wanted = Wanted {
         squareness: section.boolean("squareness")?.unwrap_or(default.squareness),
         scale: section.boolean("scale")?.unwrap_or(default.scale),

@@ -1,6 +1,8 @@
 //! Error terms of a machine that touches can determine.
 
 use super::artefact::Kind;
+use super::block::directions;
+use super::dial::{Dial, DialKind, normal};
 use super::task::Task;
 use trueaxis::machine::{AXES, Axis, Row, Twist};
 use trueaxis_tables::exact::{Geometry, GeometryError};
@@ -222,7 +224,8 @@ impl Terms {
 fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
     let wanted = task.wanted;
     let has = |axis: Axis| machine.settings.axes.iter().any(|own| own.axis == axis);
-    let (mut planes, mut lines) = ([false; 3], [false; 3]);
+    // Sides: faces that are touched from both sides.
+    let (mut planes, mut lines, mut sides) = ([false; 3], [false; 3], [false; 3]);
     for artefact in &task.artefacts {
         for place in &artefact.places {
             match artefact.kind {
@@ -230,9 +233,30 @@ fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
                     planes[place.normal.index() % 3] = true;
                 }
                 Kind::Gauge { .. } => lines[place.along.index() % 3] = true,
-                Kind::Ball { .. } => {}
+                Kind::Block(ref block) => {
+                    let [axes, _] = directions(place);
+                    for (pair, axis) in axes.into_iter().enumerate() {
+                        let axis = axis as usize;
+                        lines[axis] |= block.measures(place, pair);
+                        sides[axis] |= pair < block.measured && axis != place.normal.index() % 3;
+                        planes[axis] |= block.measured == 3;
+                    }
+                }
+                Kind::Ball { .. } | Kind::Dial(_) => {}
             }
         }
+    }
+    let dials: Vec<&Dial> = task.artefacts.iter().filter_map(|artefact| artefact.dial()).collect();
+    let mut squares = planes;
+    for dial in &dials {
+        if let DialKind::Squareness { arms, .. } = dial.kind {
+            squares[normal(arms).index() % 3] = true;
+        }
+    }
+    // The spindle's tilt to the table from its tram, and to Z from its test bar.
+    let is_tram = |dial: &&Dial| matches!(dial.kind, DialKind::Tram { .. });
+    if dials.iter().any(is_tram) && dials.iter().any(|dial| matches!(dial.kind, DialKind::Bar { .. })) {
+        (squares[0], squares[1]) = (true, true);
     }
     let sized = |kind: &Kind| matches!(kind, Kind::Ring { .. } | Kind::Plate { .. });
     // Whether a size along the axis is known.
@@ -244,7 +268,7 @@ fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
     let measured = |axis: Axis| has(axis) && (spanned(axis) || lines[axis.index() % 3]);
     let mut terms = Vec::new();
     if wanted.squareness {
-        let spanned = PLANES.iter().enumerate().filter(|(_, normal)| planes[normal.index()]);
+        let spanned = PLANES.iter().enumerate().filter(|(_, normal)| squares[normal.index()]);
         terms.extend(spanned.map(|(which, _)| Term::Squareness(which as u8)));
     }
     for axis in LINEAR.into_iter().filter(|axis| measured(*axis)) {
@@ -255,7 +279,8 @@ fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
     for axis in LINEAR {
         for other in LINEAR.into_iter().filter(|other| *other != axis) {
             let normal = LINEAR.into_iter().find(|normal| *normal != axis && *normal != other);
-            if normal.is_some_and(|normal| planes[normal.index()]) {
+            let is_read = dials.iter().any(|dial| dial.reads_curve(axis.index(), other.index()));
+            if is_read || normal.is_some_and(|normal| planes[normal.index()]) {
                 let component = other.index() as u8;
                 let degrees = 2..=wanted.straightness;
                 terms.extend(degrees.map(|degree| Term::Curve { axis, component, degree: degree as u8 }));
@@ -264,7 +289,7 @@ fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
     }
     if wanted.backlash {
         let round = task.artefacts.iter().any(|artefact| matches!(artefact.kind, Kind::Ball { .. }));
-        let touched = |axis: &Axis| has(*axis) && (round || spanned(*axis));
+        let touched = |axis: &Axis| has(*axis) && (round || spanned(*axis) || sides[axis.index() % 3]);
         terms.extend(LINEAR.into_iter().filter(touched).map(Term::Backlash));
     }
     if wanted.rotary {

@@ -1,41 +1,16 @@
 //! Selects the points of an artefact to touch, and where to approach them from.
 
-use super::artefact::{Kind, Place};
+use super::artefact::Kind;
+use super::faces;
 use super::kinematics::Ideal;
+use super::place::Place;
+use super::target::{CLEAR_ABOVE, Target, clear_mm};
 use super::task::Task;
 use anyhow::Result;
 use trueaxis::machine::Axis;
 
 /// Points nearer than this to the stem of a ball are skipped, degrees from the stem.
 const STEM_DEG: f64 = 50.0;
-
-/// Clearance above an artefact for moves over it, mm.
-const CLEAR: f64 = 10.0;
-
-fn clear_mm(task: &Task) -> f64 {
-    task.probe.approach_mm.max(task.probe.take_up_mm) + CLEAR
-}
-
-/// A point to touch, in positions and directions of X, Y, Z.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Target {
-    /// See [`super::plan::Planned::feature`].
-    pub(super) feature: usize,
-    /// Centre of the tip at the nominal surface.
-    pub(super) point: [f64; 3],
-    /// Direction of the probing move, of length 1.
-    pub(super) approach: [f64; 3],
-    /// Whether an axis that does not probe approaches the start from above.
-    pub(super) from_above: [bool; 3],
-    /// Where the probe waits between touches.
-    pub(super) home: [f64; 3],
-    /// Where the probe enters and leaves.
-    pub(super) entry: [f64; 3],
-    /// Between home and the start the probe moves at home's height along this direction.
-    pub(super) lift: Option<[f64; 3]>,
-    /// A, B, C.
-    pub(super) pose: [f64; 3],
-}
 
 fn unit(axis: Axis) -> [f64; 3] {
     std::array::from_fn(|k| f64::from(u8::from(k == axis.index() % 3)))
@@ -115,11 +90,13 @@ pub(super) fn of_place(
             steps_mm.iter().enumerate().map(face).collect()
         }
         Kind::Square { arms_mm, points, .. } => square(task, at, *arms_mm, *points, radius),
+        Kind::Block(block) => faces::targets(task, block, at, radius),
+        Kind::Dial(_) => Vec::new(),
     })
 }
 
 fn line_target(task: &Task, feature: usize, point: [f64; 3], approach: [f64; 3], lift: [f64; 3]) -> Target {
-    let home = moved(moved(point, approach, -task.probe.approach_mm), lift, clear_mm(task) + 20.0);
+    let home = moved(moved(point, approach, -task.probe.approach_mm), lift, clear_mm(task) + CLEAR_ABOVE);
     let from_above = [false; 3];
     Target { feature, point, approach, from_above, home, entry: home, lift: Some(lift), pose: [0.0; 3] }
 }
@@ -141,7 +118,7 @@ fn ring(task: &Task, at: &Place, reach: f64, points: usize, [from, to]: [f64; 2]
         approach,
         from_above,
         home: at.at_mm,
-        entry: moved(at.at_mm, normal, clear_mm(task) + 20.0),
+        entry: moved(at.at_mm, normal, clear_mm(task) + CLEAR_ABOVE),
         lift: None,
         pose: [0.0; 3],
     };

@@ -1422,13 +1422,13 @@ class Size(Section):
     Attributes
     ----------
     name : str
-        Name of the artefact.
+        Name of the artefact, or of one of its several sizes.
     stated : float
-        Size that the task states: mm, for a square degrees.
+        Size that the task states: mm, for an angle degrees.
     found : float
         Size that the network finds.
     standard_error : float
-        Standard error, µm; for a square, µrad.
+        Standard error, µm; for an angle, µrad.
     """
 
     __slots__ = ()
@@ -1480,7 +1480,7 @@ class Calibration(Result):
     signal_um : float
         Root mean square of the touch displacements that the terms cause.
     terms : tuple[SolvedTerm, ...]
-        Every term.
+        Every term, and the tilts of the spindle.
     covariance : Covariance
         Covariance of the terms; its diagonal has the squares of their standard errors.
     location : Section
@@ -1490,11 +1490,11 @@ class Calibration(Result):
     standard_errors : Section
         Standard errors under the same names, by `location` and by axis; for curves, the root mean square over the touched range.
     tip_radius_mm : float
-        Effective radius of the tip.
+        Effective radius of the tip; 0 with dials.
     tip_radius_standard_error_um : float
         Standard error of the radius.
     artefacts : tuple[Size, ...]
-        Artefacts with a single size.
+        Sizes of the artefacts.
     drift : tuple[Drift, ...]
         Drift at the visits to the reference.
     warnings : tuple[str, ...]

@@ -3,7 +3,7 @@
 //! Sizes are drawn within the stated standard uncertainty, once per artefact; positions and orientations deviate as in a
 //! manual set-up. The result is the true surfaces (blocks, balls and bores), which the solution never sees.
 
-use crate::calibrate::{Artefact as Described, Ideal, Kind, Place, Task};
+use crate::calibrate::{ANGLES, Artefact as Described, Block, Ideal, Kind, Place, Task, directions};
 use anyhow::Result;
 use glam::{DMat3, DVec3};
 use trueaxis::machine::Axis;
@@ -12,6 +12,12 @@ use trueaxis_tables::Machine;
 
 /// Angular error of a square without a stated uncertainty: standard deviation from a right angle, rad.
 const UNKNOWN_ANGLE: f64 = 50e-6;
+/// Deviation of a block of unknown length: standard deviation, mm.
+const UNKNOWN_LENGTH: f64 = 0.02;
+/// Share of the other extents that a face of a block has, so that no pair of faces protrudes beyond another.
+const OF_THE_FACE: f64 = 0.95;
+/// The base of a block, mm: by how much it is wider than the block on every side, and half its thickness.
+const BASE: [f64; 2] = [20.0, 5.0];
 /// Half the size of a gauge face, along and across it, mm.
 const HALF_FACE: f64 = 6.0;
 /// Maximum thickness of a gauge's step along the gauge, mm.
@@ -41,8 +47,9 @@ pub(in crate::simulated) fn placed(
     let is_reference = |index: usize| task.reference.as_ref().is_some_and(|reference| reference.artefact == index);
     let mut reference = Vec::new();
     let mut places = Vec::new();
+    let mut reals: Vec<Real> = Vec::new();
     for (index, artefact) in task.artefacts.iter().enumerate() {
-        let real = Real::new(artefact, normal);
+        let real = Real::new(artefact, &reals, normal);
         for place in &artefact.places {
             let [x, y, z] = place.at_mm;
             let at: [f64; 3] = std::array::from_fn(|k| [x, y, z][k] + set_up.misplaced_mm * normal().clamp(-2.0, 2.0));
@@ -53,6 +60,7 @@ pub(in crate::simulated) fn placed(
             }
             places.push((index, surfaces));
         }
+        reals.push(real);
     }
     let with_reference = |(index, surfaces): (usize, Vec<Artefact>)| {
         let also = if is_reference(index) { &[][..] } else { &reference };
@@ -83,10 +91,11 @@ enum Real {
         angle: f64,
         arms: [f64; 2],
     },
+    Block(RealBlock),
 }
 
 impl Real {
-    fn new(artefact: &Described, normal: &mut impl FnMut() -> f64) -> Real {
+    fn new(artefact: &Described, before: &[Real], normal: &mut impl FnMut() -> f64) -> Real {
         let off = artefact.uncertainty.unwrap_or(UNKNOWN_ANGLE);
         let longer = 1.0 + artefact.length_uncertainty.map_or(0.0, |uncertainty| uncertainty * normal());
         match &artefact.kind {
@@ -106,6 +115,12 @@ impl Real {
             }
             Kind::Square { angle_deg, arms_mm, .. } => {
                 Real::Square { angle: angle_deg.to_radians() + off * normal(), arms: *arms_mm }
+            }
+            // Without places.
+            Kind::Dial(_) => Real::Ball { diameter: 0.0 },
+            Kind::Block(block) => {
+                let off = artefact.uncertainty.unwrap_or(UNKNOWN_LENGTH);
+                Real::Block(RealBlock::new(block, before, (off, longer), normal))
             }
         }
     }
@@ -166,8 +181,74 @@ impl Real {
                     arm(DVec3::new(cos, sin, 0.0), DVec3::new(sin, -cos, 0.0), *second),
                 ]
             }
+            Real::Block(block) => block.surfaces(place, tip - radius * unit(place.normal), turned(askew, normal)),
         }
     }
+}
+
+/// A block with its true lengths, and the true normals of its faces in its own directions.
+struct RealBlock {
+    lengths: [f64; 3],
+    normals: [DVec3; 3],
+}
+
+impl RealBlock {
+    /// Draws lengths within `off` mm, all longer by a factor.
+    fn new(block: &Block, before: &[Real], (off, longer): (f64, f64), normal: &mut impl FnMut() -> f64) -> RealBlock {
+        let mut lengths = block.size_mm.map(|mm| longer * mm + off * normal());
+        if let Some((other, difference)) = block.like
+            && let Some(Real::Block(other)) = before.get(other)
+        {
+            lengths = other.lengths.map(|mm| longer * mm + difference * normal());
+        }
+        let mut normals = [DVec3::X, DVec3::Y, DVec3::Z];
+        if block.measured == 3 {
+            for [i, j] in ANGLES {
+                normals[j][i] += block.angles.unwrap_or(UNKNOWN_ANGLE) * normal();
+            }
+        }
+        RealBlock { lengths, normals: normals.map(DVec3::normalize) }
+    }
+
+    /// Every pair of faces is a block that is smaller across them; the base is a plate. `top`: the middle of the upper face.
+    fn surfaces(&self, place: &Place, top: DVec3, askew: DMat3) -> Vec<Artefact> {
+        let [axes, senses] = directions(place);
+        let mut frame = DMat3::ZERO;
+        for pair in 0..3 {
+            frame.col_mut(pair)[axes[pair] as usize] = f64::from(senses[pair]);
+        }
+        let frame = askew * frame;
+        let up = axes.iter().position(|axis| *axis as usize == place.normal.index() % 3).unwrap_or(2);
+        let upwards = f64::from(senses[up]) * (frame * self.normals[up]);
+        let centre = top - 0.5 * self.lengths[up] * upwards;
+        let mut surfaces: Vec<Artefact> = (0..3)
+            .map(|pair| {
+                let directions = beside(frame, pair, frame * self.normals[pair]);
+                let extent = |k: usize| 0.5 * self.lengths[k] * if k == pair { 1.0 } else { OF_THE_FACE };
+                Artefact::Block { centre, directions, half: DVec3::new(extent(0), extent(1), extent(2)) }
+            })
+            .collect();
+        if place.base {
+            let directions = beside(frame, up, upwards);
+            let [wider, half] = BASE;
+            let centre = top - (self.lengths[up] + half) * upwards;
+            let extent = |k: usize| if k == up { half } else { 0.5 * self.lengths[k] + wider };
+            let half = DVec3::new(extent(0), extent(1), extent(2));
+            surfaces.push(Artefact::Block { centre, directions, half });
+        }
+        surfaces
+    }
+}
+
+/// The frame with one column replaced, and the others at right angles to it.
+fn beside(frame: DMat3, column: usize, normal: DVec3) -> DMat3 {
+    let [next, last] = [(column + 1) % 3, (column + 2) % 3];
+    let mut turned = frame;
+    let first = (frame.col(next) - frame.col(next).dot(normal) * normal).normalize();
+    *turned.col_mut(column) = normal;
+    *turned.col_mut(next) = first;
+    *turned.col_mut(last) = normal.cross(first);
+    turned
 }
 
 fn unit(axis: Axis) -> DVec3 {

@@ -20,7 +20,7 @@ pub use summary::{Machines, Summary, all, summary};
 pub use tasks::{BALL_PLATE, FIVE_AXES, GAUGE_AND_SQUARE, MILL, TaskText};
 
 use crate::calibrate::{Calibration, Dialect, Plan, Task, calibrate, perfect, program, read_log, trips};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use artefacts::SetUp;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -117,6 +117,12 @@ pub fn run<'t>(
 ) -> Result<Calibrated> {
     let TaskText { file, text } = task.into();
     let task = Task::read(text, file)?;
+    if task.is_read() {
+        bail!(
+            "{}: found a task with dials, needed touches; `trueaxis calibrate simulate` fills its sheet",
+            file.display()
+        );
+    }
     let nominal = perfect(truth);
     let plan = Plan::new(&task, &nominal)?;
     let mut dice = ChaCha8Rng::seed_from_u64(seed ^ 0x5eed);

@@ -10,6 +10,7 @@
 //! first-order terms. Both share the structural code and its nominal transforms, and nothing else.
 
 mod ballbar;
+mod dial;
 mod drawn;
 mod feature;
 mod friction;
@@ -18,6 +19,7 @@ mod probing;
 mod shop;
 
 pub use ballbar::Circles;
+pub use dial::{FilledSheet, dial};
 pub use drawn::{drawn, is_stated};
 pub use feature::ProbedFeature;
 pub use friction::{ENCODER_UM, FrictionCircles};

@@ -1,6 +1,6 @@
 //! Logs of a touch probe, for `calibrate` and `keep`.
 
-use super::{Conditions, Stream, truth_of};
+use super::{Conditions, Stream, dial, truth_of};
 use crate::calibrate::{Dialect, Plan, Task, perfect, program};
 use crate::keep::{KeepTask, plan};
 use crate::simulated::calibration::artefacts::{SetUp, placed};
@@ -21,6 +21,9 @@ const PAUSE_S: f64 = 300.0;
 /// # Errors
 /// Any error of planning; a true machine of another structure; a program that touches nothing or something else.
 pub fn calibrate(task: &Task, machine: &Machine, truth: &Machine, conditions: &Conditions) -> Result<String> {
+    if task.is_read() {
+        return Ok(dial(task, machine, truth, conditions)?.text);
+    }
     let plan = Plan::new(task, &perfect(machine))?;
     let set_ups = surfaces(task, machine, conditions)?;
     let known = task.compensated.then(|| machine.clone());

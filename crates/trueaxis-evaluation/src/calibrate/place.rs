@@ -1,0 +1,26 @@
+//! Where artefacts are set up.
+
+use trueaxis::machine::Axis;
+
+/// Where an artefact is set up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// X, Y, Z of the machine with the tip's centre at the artefact's origin: centre of a ring or ball, first ball of a plate,
+    /// first face of a gauge, corner of a square; mm.
+    pub at_mm: [f64; 3],
+    /// All but balls: direction normal to it (gauge: to its row), along which the probe retracts.
+    pub normal: Axis,
+    /// Gauge and square: direction of the row or the first arm; along Z it points down, as does an upright second arm. Block:
+    /// axis of its first length.
+    pub along: Axis,
+    /// Block: axis of its second length.
+    pub across: Axis,
+    /// Whether the square is turned over about its second arm, the block about its second length.
+    pub reversed: bool,
+    /// Block: whether the face that it stands on is touched beside it.
+    pub base: bool,
+    /// A, B, C at which a ball is measured, degrees.
+    pub rotary_deg: Vec<[f64; 3]>,
+    /// Line in the task file.
+    pub line: u32,
+}
