@@ -17,6 +17,8 @@ export interface Planned {
   foreseen: Foreseen;
   expected: Table;
   program: string;
+  /** The program is the sheet for a dial's readings. */
+  is_sheet?: boolean;
   notes: string[];
 }
 

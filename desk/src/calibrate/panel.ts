@@ -45,7 +45,7 @@ export class Calibrate extends Probing {
       if (!this.isLatest(turn)) return;
       const found = JSON.parse(said) as Found;
       this.desk.clear();
-      this.solved.textContent = [`${log.name}: ${found.touches} touches on ${found.machine}.`, ...found.notes].join(" ");
+      this.solved.textContent = [`${log.name}: ${found.touches} ${this.noun} on ${found.machine}.`, ...found.notes].join(" ");
       this.results.show(found);
       this.into.show({ ...found.becomes, ...(this.own ? { own: { name: found.machine, files: this.own } } : {}) });
       this.into.root.hidden = false;

@@ -79,7 +79,7 @@ export abstract class Probing {
     const id = unique("task");
     this.task = el("textarea", { id, rows: 26, spellcheck: "false", oninput: soon });
     this.task.value = words.sample;
-    this.program = button("Save the program", () => this.planned && save(words.program, this.planned.program), { class: "primary", disabled: true });
+    this.program = button("Save the program", () => this.planned && save(this.file, this.planned.program), { class: "primary", disabled: true });
     this.into = new IntoMachine(desk, words.what);
     this.into.root.hidden = true;
     const open = (given: Given[]) => this.take(given);
@@ -213,18 +213,28 @@ export abstract class Probing {
     this.clear();
   }
 
+  /** What a log holds. */
+  protected get noun(): string {
+    return this.planned?.is_sheet ? "readings" : "touches";
+  }
+
+  /** Name of the file of the program or sheet. */
+  private get file(): string {
+    return this.planned?.is_sheet ? "sheet.csv" : this.words.program;
+  }
+
   private foresee(planned: Planned): void {
     this.planned = planned;
     this.refused.hidden = true;
     const { machine, touches, minutes, rank, condition, warnings } = planned.foreseen;
     const network = rank === undefined ? "." : ` without set-ups. Rank ${rank}, condition ${significant(condition ?? NaN, 2)}.`;
-    this.about.textContent = [`${machine}: ${touches} touches, about ${Math.ceil(minutes)} ${Math.ceil(minutes) === 1 ? "minute" : "minutes"}${network}`, ...planned.notes].join(" ");
+    this.about.textContent = [`${machine}: ${touches} ${this.noun}, about ${Math.ceil(minutes)} ${Math.ceil(minutes) === 1 ? "minute" : "minutes"}${network}`, ...planned.notes].join(" ");
     this.expected.replaceChildren(tabled(planned.expected), notes("Notes", warnings ?? []));
   }
 
   protected describe(): void {
     const task = word(this.name);
-    this.plan.set(`trueaxis ${this.words.command} plan ${task} -o ${this.words.program}`);
+    this.plan.set(`trueaxis ${this.words.command} plan ${task} -o ${this.file}`);
     this.solve.set(this.command(task, word(this.log?.name ?? `trueaxis-${this.planned?.foreseen.program ?? "…"}.log`)));
   }
 }

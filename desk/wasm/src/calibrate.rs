@@ -18,8 +18,9 @@ struct Planned {
     foreseen: Foreseen,
     /// The uncertainties expected.
     expected: Table,
-    /// The program.
+    /// The program, or the sheet for a dial's readings.
     program: String,
+    is_sheet: bool,
     notes: Vec<String>,
 }
 
@@ -43,7 +44,7 @@ fn plan(files: &str, name: &str, task: &str) -> Result<String> {
     let mut notes = Vec::new();
     let (task, machine) = read(files, name, task, &mut notes)?;
     let Planning { program, foreseen, .. } = Planning::new(&task, &machine)?;
-    json(&Planned { expected: foreseen.expected(), foreseen, program, notes })
+    json(&Planned { expected: foreseen.expected(), foreseen, program, is_sheet: task.is_read(), notes })
 }
 
 /// Plans a task on the machine of these files, whichever machine the task names: `foreseen`, `program`, `notes`. Errors refer

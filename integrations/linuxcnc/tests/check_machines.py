@@ -136,7 +136,8 @@ def contour(folder):
     commands = run.columns(*("joint.%d.pos-cmd" % j for j in range(3)))
     # The drives run last, so the reading in a cycle is that of the previous cycle.
     readings = run.columns(*("ta.joint.%d.motor-pos-fb-in" % j for j in range(3)))
-    measured = run.columns("ta.contour.tip.error", "ta.contour.encoder.error", "ta.contour.tip.found")
+    measured = run.columns("ta.contour.tip.error", "ta.contour.encoder.error", "ta.contour.tip.found",
+                           "ta.contour.tip.searching")
     # LinuxCNC interpolates arcs between trajectory points: 33 nm inside the programmed radius.
     radius = math.hypot(*commands[len(commands) // 3][:2])
     expect(abs(radius - 50.0) < 1e-4, "not on the circle", radius)
@@ -150,7 +151,7 @@ def contour(folder):
         fx, fy, fz = readings[n - 1]
         encoder = math.hypot(math.hypot(fx, fy) - radius, fz + 20.0)
         tip = math.hypot(math.hypot(1.0001 * fx, fy) - radius, fz + 5e-5 * fx + 20.0)
-        expect(measured[n][2] == 1, "not found in sample %d" % n)
+        expect(measured[n][2] == 1 and measured[n][3] == 0, "not found in sample %d" % n)
         worst = max(worst, abs(measured[n][0] - tip), abs(measured[n][1] - encoder))
         largest_tip, biggest = max(largest_tip, tip), max(biggest, encoder)
         count += 1
