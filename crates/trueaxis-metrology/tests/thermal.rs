@@ -348,7 +348,7 @@ fn bed_k(in_cycle_s: f64) -> f64 {
 /// Lag of the bed's growth, s, and the growth per kelvin, µm.
 const BED: [f64; 2] = [300.0, 1.2];
 
-/// One measuring point with a heated bed instead of the clock, and a sensor without heat; rests between the cycles.
+/// One measuring point with a heated bed instead of the clock, and a sensor without heat.
 fn with_bed(every_s: u32) -> Record {
     let mut record = recorded_every(every_s, &DUTY, 6000.0, 7, 0.3);
     record.samples.retain(|sample| sample.tool_mm == 40.0 && sample.position_mm[0] == 0.0);
@@ -356,7 +356,7 @@ fn with_bed(every_s: u32) -> Record {
     let (mut cycle, mut begun, mut t, mut lagged) = (0, 0.0, 0.0, 0.0);
     for (row, sample) in record.samples.iter_mut().enumerate() {
         if sample.cycle != cycle {
-            (cycle, begun, t, lagged) = (sample.cycle, sample.t_s, sample.t_s, 0.0);
+            (cycle, begun, t) = (sample.cycle, sample.t_s, sample.t_s);
         }
         while t < sample.t_s {
             lagged += (bed_k(t - begun) - lagged) / BED[0];
@@ -365,7 +365,6 @@ fn with_bed(every_s: u32) -> Record {
         sample.temperatures_c[2] = 20.0 + bed_k(sample.t_s - begun) + 0.05 * (0.7 * row as f64).cos();
         sample.temperatures_c.push(20.0 + 0.1 * (row as f64).sin());
         sample.error_mm[2] += 1e-3 * BED[1] * lagged;
-        sample.t_s += 20_000.0 * f64::from(cycle);
     }
     record
 }
