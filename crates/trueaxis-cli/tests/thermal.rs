@@ -77,6 +77,23 @@ fn growth_is_found_compiled_and_read_by_the_task() {
 }
 
 #[test]
+fn each_cycle_is_held_out_in_turn() {
+    let folder = Folder::new(TRUEAXIS);
+    folder.write("record.csv", record());
+    let fit = ["thermal", "fit", "record.csv", "--hold-out", "0,1,2,3"];
+    let found = folder.json(&[&fit[..], &["--json"]].concat());
+    let cycles = found["cycles"].as_array().unwrap();
+    assert!(cycles.len() == 8 && cycles.iter().all(|own| own["held_out"] == true), "{cycles:?}");
+    assert!(cycles.iter().all(|own| own["left_um"].as_f64().unwrap() < 0.3), "{cycles:?}");
+    // The noise of both axes is 0.05 µm at most; the second sensor never comes back to a state that it had in another cycle.
+    let own = &found["repeatability"][1];
+    assert!(own["axis"] == "Z" && own["left_um"].as_f64().unwrap() < 0.05, "{own}");
+    let text = folder.good(&fit);
+    assert!(text.contains("each predicted by the curves of the others"), "{text}");
+    assert!(text.contains("What these sensors can predict"), "{text}");
+}
+
+#[test]
 fn bad_records_are_refused_with_line_and_figure_and_nothing_is_written() {
     let folder = Folder::new(TRUEAXIS);
     let good = record();

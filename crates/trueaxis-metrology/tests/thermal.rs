@@ -3,7 +3,7 @@
 
 use trueaxis::Axis;
 use trueaxis::temperature::Thermal;
-use trueaxis_metrology::thermal::{Missing, RATE_K_PER_MIN, Record, Sample, Settings, ThermalRefusal, fit, held_out};
+use trueaxis_metrology::thermal::{Missing, Record, Sample, Settings, ThermalRefusal, fit, held_out, repeatability};
 use trueaxis_testing::noise::Noise;
 use trueaxis_testing::scatter::{Scatter, normal};
 
@@ -73,7 +73,7 @@ fn recorded_every(every_s: u32, duty: &[[u32; 6]], hot_rpm: f64, seed: u64, nois
 }
 
 fn settings() -> Settings {
-    Settings { reference_c: 20.0, datum_mm: [0.0; 3], held_out: vec![], rate_k_per_min: RATE_K_PER_MIN }
+    Settings { reference_c: 20.0, datum_mm: [0.0; 3], held_out: vec![], rate_k_per_min: None }
 }
 
 #[test]
@@ -337,4 +337,170 @@ fn curves_scatter_with_their_covariance() {
     assert!(used > 100, "{used}");
     let largest = scatter.check(&names, 0.3);
     assert!(largest > 0.5, "nothing to compare: {largest}");
+}
+
+/// Bed of a printer: heats by 8 K a minute to 48 K above the room, and cools after two hours.
+fn bed_k(in_cycle_s: f64) -> f64 {
+    let heated = (8.0 / 60.0 * (in_cycle_s - 60.0)).clamp(0.0, 48.0);
+    if in_cycle_s < 7200.0 { heated } else { heated * (-(in_cycle_s - 7200.0) / 1_500.0).exp() }
+}
+
+/// Lag of the bed's growth, s, and the growth per kelvin, µm.
+const BED: [f64; 2] = [300.0, 1.2];
+
+/// One measuring point with a heated bed instead of the clock, and a sensor without heat.
+fn with_bed(every_s: u32) -> Record {
+    let mut record = recorded_every(every_s, &DUTY, 6000.0, 7, 0.3);
+    record.samples.retain(|sample| sample.tool_mm == 40.0 && sample.position_mm[0] == 0.0);
+    record.sensors = ["nose", "air", "bed", "cold"].map(String::from).to_vec();
+    let (mut cycle, mut begun, mut t, mut lagged) = (0, 0.0, 0.0, 0.0);
+    for (row, sample) in record.samples.iter_mut().enumerate() {
+        if sample.cycle != cycle {
+            (cycle, begun, t) = (sample.cycle, sample.t_s, sample.t_s);
+        }
+        while t < sample.t_s {
+            lagged += (bed_k(t - begun) - lagged) / BED[0];
+            t += 1.0;
+        }
+        sample.temperatures_c[2] = 20.0 + bed_k(sample.t_s - begun) + 0.05 * (0.7 * row as f64).cos();
+        sample.temperatures_c.push(20.0 + 0.1 * (row as f64).sin());
+        sample.error_mm[2] += 1e-3 * BED[1] * lagged;
+    }
+    record
+}
+
+#[test]
+fn a_bed_that_moves_16_k_between_rows_is_a_sensor_and_one_without_heat_is_not() {
+    let record = with_bed(120);
+    let found = fit(&record, &settings(), &mut |_| ()).unwrap();
+    let bed = found.model.sensors.iter().find(|sensor| sensor.name == "bed").unwrap();
+    assert!((bed.lag_s / BED[0] - 1.0).abs() < 0.1, "{}", bed.lag_s);
+    // 16 K in two minutes, 3 K of them at once.
+    assert!((13.0..=14.0).contains(&bed.jump_k[1]), "the task must accept the bed as recorded: {:?}", bed.jump_k);
+    assert!(found.left_out.iter().any(|out| out.name == "cold" && out.still), "{:?}", found.left_out);
+    let (figures, _) = held_out(&record, &found, &found.model.encode(0).unwrap());
+    let z = figures.iter().find(|own| own.held_out && own.axis == Axis::Z).unwrap();
+    assert!(z.left_mm < 0.05 * z.drift_mm, "{z:?}");
+
+    // A whole heating between two rows.
+    let apart = with_bed(900);
+    let names = fit(&apart, &settings(), &mut |_| ()).unwrap().model.sensors;
+    assert!(names.iter().any(|sensor| sensor.name == "bed"), "{names:?}");
+
+    let stated = Settings { rate_k_per_min: Some(3.0), ..settings() };
+    let refused = fit(&record, &stated, &mut |_| ()).unwrap_err();
+    assert!(matches!(&refused, ThermalRefusal::Jump { sensor, most_k: 11.0, .. } if sensor == "bed"), "{refused}");
+}
+
+#[test]
+fn a_bed_that_falls_off_or_reads_wrong_for_a_row_is_refused() {
+    let jump = |change: &dyn Fn(usize, &mut f64)| {
+        let mut record = with_bed(120);
+        record.samples.iter_mut().enumerate().for_each(|(row, sample)| change(row, &mut sample.temperatures_c[2]));
+        fit(&record, &settings(), &mut |_| ()).unwrap_err()
+    };
+    let at = |refused: &ThermalRefusal, row: usize| matches!(refused, ThermalRefusal::Jump { sensor, index, .. } if sensor == "bed" && *index == row);
+    let off = jump(&|row, reading| *reading -= if row >= 160 { 40.0 } else { 0.0 });
+    assert!(at(&off, 160), "{off}");
+    // Rows of the same moment have no rate.
+    let mut both = with_bed(120);
+    let second = Sample { tool_mm: 240.0, ..both.samples[160].clone() };
+    both.samples.insert(161, second);
+    both.samples.iter_mut().skip(161).for_each(|sample| sample.temperatures_c[2] -= 40.0);
+    let both = fit(&both, &settings(), &mut |_| ()).unwrap_err();
+    assert!(at(&both, 161), "{both}");
+    // In two cycles alike, as a sensor does that reads 85 °C after a loss of power.
+    let wrong = jump(&|row, reading| *reading = if row == 40 || row == 280 { 85.0 } else { *reading });
+    assert!(at(&wrong, 40), "{wrong}");
+}
+
+#[test]
+fn each_cycle_in_turn_is_predicted_by_the_others() {
+    let mut record = record(0.1);
+    let each = Settings { held_out: vec![1, 2, 3, 4], ..settings() };
+    let found = fit(&record, &each, &mut |_| ()).unwrap();
+    assert_eq!((found.held_out.len(), found.turns.len()), (4, 4));
+    let figures = held_out(&record, &found, &found.model.encode(0).unwrap()).0;
+    for own in figures.iter().filter(|own| own.axis == Axis::Z) {
+        assert!(own.held_out && own.left_mm < 0.05 * own.drift_mm, "{own:?}");
+    }
+    // One cycle drifts half as much again: its curves come from the others, those of the model from all cycles.
+    record.samples.iter_mut().filter(|s| s.cycle == 2).for_each(|s| s.error_mm[2] *= 1.5);
+    let mut found = fit(&record, &each, &mut |_| ()).unwrap();
+    let mut share = |in_turn: bool| {
+        if !in_turn {
+            found.turns.clear();
+        }
+        let figures = held_out(&record, &found, &found.model.encode(0).unwrap()).0;
+        let own = figures.into_iter().find(|own| own.axis == Axis::Z && own.cycle == 2).unwrap();
+        own.left_rms_mm / own.drift_rms_mm
+    };
+    let [by_others, by_all] = [true, false].map(&mut share);
+    assert!(by_others > 0.2 && by_others > 1.2 * by_all, "{by_others} by the others, {by_all} by all");
+}
+
+/// Four cycles of one sensor, which begin `apart_k` apart; the drift follows it, with an additional part of ±2 µm that it does
+/// not show.
+fn repeated(apart_k: f64) -> Option<f64> {
+    let mut samples = Vec::new();
+    for row in 0..240_u32 {
+        let (cycle, at) = (row / 60, f64::from(row % 60));
+        let warm = 10.0 * (1.0 - (-at / 15.0).exp()) + apart_k * f64::from(cycle);
+        let unseen = if cycle % 2 == 0 { 2.0 } else { -2.0 } * (std::f64::consts::TAU * at / 30.0).sin();
+        samples.push(Sample {
+            t_s: 120.0 * at + 30_000.0 * f64::from(cycle),
+            temperatures_c: vec![20.0 + warm],
+            spindle_rpm: 0.0,
+            cycle,
+            position_mm: [0.0; 3],
+            tool_mm: 0.0,
+            error_mm: vec![1e-3 * (5.0 * warm + unseen)],
+        });
+    }
+    let record = Record { sensors: vec!["T1".into()], axes: vec![Axis::Z], samples };
+    let found = fit(&record, &settings(), &mut |_| ()).unwrap();
+    let bytes = found.model.encode(0).unwrap();
+    let (_, series) = held_out(&record, &found, &bytes);
+    repeatability(&record, &found, &bytes, &series)[0].repeat_mm
+}
+
+#[test]
+fn repeatability_is_how_much_cycles_with_the_same_temperatures_differ() {
+    // Of six pairs four differ by twice the unseen part: the mean square is 4/6 × (2 × 2)²/2 × 1/2 µm².
+    let found = repeated(0.0).unwrap();
+    assert!((1e3 * found / (8.0_f64 / 3.0).sqrt() - 1.0).abs() < 0.05, "{found}");
+    assert_eq!(repeated(15.0), None);
+}
+
+/// A printer's warm-up as recorded, if available; it is not part of this repository.
+#[test]
+fn each_cycle_of_a_printer_is_predicted_by_the_others() {
+    let folder = std::env::var_os("TRUEAXIS_REFERENCE_DATA").map(std::path::PathBuf::from);
+    let Some(text) = folder.and_then(|folder| std::fs::read_to_string(folder.join("real/warm-up.csv")).ok()) else {
+        println!("skipped: TRUEAXIS_REFERENCE_DATA names no folder with real/warm-up.csv");
+        return;
+    };
+    let sample = |line: &str| {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        Sample {
+            t_s: cells[0],
+            temperatures_c: cells[2..5].to_vec(),
+            spindle_rpm: 0.0,
+            cycle: cells[1] as u32,
+            position_mm: [0.0; 3],
+            tool_mm: 0.0,
+            error_mm: vec![1e-3 * cells[5]],
+        }
+    };
+    let sensors = ["frame", "chamber", "bed"].map(String::from).to_vec();
+    let record = Record { sensors, axes: vec![Axis::Z], samples: text.lines().skip(1).map(sample).collect() };
+    let found = fit(&record, &Settings { held_out: vec![1, 2, 3, 4], ..settings() }, &mut |_| ()).unwrap();
+    let bytes = found.model.encode(0).unwrap();
+    let (figures, series) = held_out(&record, &found, &bytes);
+    for own in &figures {
+        assert!(own.held_out && own.left_mm < 0.15 * own.drift_mm, "{own:?}");
+    }
+    let own = repeatability(&record, &found, &bytes, &series)[0];
+    let repeat_mm = own.repeat_mm.unwrap();
+    assert!(repeat_mm > 2e-3 && repeat_mm < own.left_mm && own.left_mm < 6e-3, "{own:?}");
 }

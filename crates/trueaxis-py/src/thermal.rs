@@ -11,7 +11,6 @@ use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use trueaxis::tcomp::machine_id;
 use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, model, settings, with_rate, written};
-use trueaxis_metrology::thermal::RATE_K_PER_MIN;
 use trueaxis_tables::text::read_text;
 
 /// Fit lags of sensors and curves of growth to cycles recorded according to ISO 230-3.
@@ -24,7 +23,7 @@ use trueaxis_tables::text::read_text;
 /// machine : Machine, optional
 ///     States reference temperature and datums; by default, 20 °C and 0 mm.
 /// hold_out : sequence of int, optional
-///     Cycles to exclude from the fit; by default, the last one.
+///     Cycles to exclude from the fit; all of them: each in turn. By default, the last one.
 /// without : sequence of str, optional
 ///     Sensors to omit, such as "T3".
 /// rate_k_per_min : float, optional
@@ -56,14 +55,14 @@ use trueaxis_tables::text::read_text;
 /// If an otherwise even record lacks rows, `missing` lists them, each with a warning.
 #[pyfunction]
 #[pyo3(signature = (record, *, machine = None, hold_out = Vec::new(), without = Vec::new(),
-    rate_k_per_min = RATE_K_PER_MIN, residuals = false, toml = false))]
+    rate_k_per_min = None, residuals = false, toml = false))]
 pub(crate) fn thermal_fit<'py>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
     machine: Option<Bound<'py, Machine>>,
     hold_out: Vec<u32>,
     without: Vec<String>,
-    rate_k_per_min: f64,
+    rate_k_per_min: Option<f64>,
     residuals: bool,
     toml: bool,
 ) -> PyResult<Bound<'py, PyAny>> {

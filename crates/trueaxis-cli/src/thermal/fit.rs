@@ -7,7 +7,6 @@ use clap::Args;
 use maud::html;
 use std::path::PathBuf;
 use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, residuals, settings, with_rate, written};
-use trueaxis_metrology::thermal::RATE_K_PER_MIN;
 use trueaxis_tables::output::Outputs;
 
 pub(crate) const EXAMPLE: &str = "\
@@ -24,7 +23,7 @@ RECORD.csv has one row a reading of the instrument, in order of time, with the c
   ex_um,ey_um,ez_um: drift of the axes that were measured
   x_mm,y_mm,z_mm: axis positions at the measuring point
   tool_mm: length from the spindle's nose to the measuring point
-After a rest of 4 h or more the machine counts as in equilibrium. One cycle is held out. Drift is of the tool \
+After a rest of 4 h or more the machine counts as in equilibrium. One cycle is held out, or each in turn. Drift is of the tool \
 relative to the workpiece, actual − ideal; it is zero where a cycle begins, or wherever the instrument was set to \
 zero before it. Two positions of an axis separate its slope from its offset, two lengths tilt from growth. Visit \
 several points one after the other, every few minutes. Vary speed, coolant and air from cycle to cycle, so that \
@@ -36,9 +35,9 @@ The model:
   x_k' = (h_k(n) − x_k)/τ
 Curves are found by least squares, lags by search. A sensor is included if it makes the cycles predict one another \
 better; one that adds nothing to the others is left out. The remaining error is reported for the cycles held out, by \
-the task's own code.
+the task's own code, beside what no model of these sensors predicts: how much cycles differ at the same temperatures.
 
-Refused: sensors that jump, stick or run together, records in which nothing moves, rows missing for longer than a \
+Refused: sensors that jump (a heated bed that is as fast in other cycles, or over several rows, does not), stick or run together, records in which nothing moves, rows missing for longer than a \
 lag. Shorter gaps in an otherwise even record are reported.
 
 `trueaxis thermal compile` turns the thermal.toml of -o into a file for the controller.
@@ -55,16 +54,17 @@ pub(crate) struct ThermalFitArgs {
     /// Machine that states reference temperature and datums [default: 20 °C, 0 mm].
     #[arg(long, value_name = "M")]
     machine: Option<PathBuf>,
-    /// Cycles to exclude from the fit [default: the last].
+    /// Cycles to exclude from the fit; all of them: each in turn, with sensors and lags chosen for all together [default: the
+    /// last].
     #[arg(long, value_name = "N,…", value_delimiter = ',')]
     hold_out: Vec<u32>,
     /// Sensors to omit, by name: T3.
     #[arg(long, value_name = "T,…", value_delimiter = ',')]
     without: Vec<String>,
     /// Largest rate at which a sensor warms or cools, K/min; a faster change is refused as a jump. Above 5, it becomes the
-    /// rate_k_per_min of the sensors.
-    #[arg(long, value_name = "R", default_value_t = RATE_K_PER_MIN)]
-    rate_k_per_min: f64,
+    /// rate_k_per_min of the sensors [default: 3, or twice what the sensor shows at another time].
+    #[arg(long, value_name = "R")]
+    rate_k_per_min: Option<f64>,
     /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,

@@ -4,7 +4,7 @@ use super::FittedRecording;
 use crate::uncertainty::{CovarianceDocument, Estimate};
 use serde::Serialize;
 use std::fmt;
-use trueaxis_metrology::thermal::Coefficient;
+use trueaxis_metrology::thermal::{Coefficient, Repeatability};
 
 /// Output of `trueaxis thermal fit --json`.
 #[derive(Clone, Debug, Serialize)]
@@ -33,6 +33,8 @@ pub struct ThermalDocument {
     pub predicted_um: [f64; 2],
     /// Drift and residual of the held-out cycles and of the others.
     pub cycles: Vec<CycleDocument>,
+    /// What the sensors can predict of each axis at all, beside the residual.
+    pub repeatability: Vec<RepeatabilityDocument>,
     /// Largest drift of the held-out cycles, µm, and largest residual.
     pub held_out_um: [f64; 2],
 }
@@ -140,6 +142,24 @@ pub struct CycleDocument {
     pub left_rms_um: f64,
 }
 
+/// Repeatability of an axis beside the residual of the held-out cycles; root mean squares, µm, each about the mean of its cycle.
+#[derive(Clone, Debug, Serialize)]
+pub struct RepeatabilityDocument {
+    /// Letter of the axis.
+    pub axis: char,
+    /// Drift of the held-out cycles.
+    pub drift_um: f64,
+    /// Residual of the held-out cycles.
+    pub left_um: f64,
+    /// Deviation of a cycle from another one in which all sensors agree, now and in the past: no model of these sensors predicts
+    /// it; `None` if no two cycles come to the same temperatures.
+    pub repeat_um: Option<f64>,
+    /// Residual without that deviation: the most that another model could remove.
+    pub model_um: Option<f64>,
+    /// Number of rows compared.
+    pub rows: usize,
+}
+
 fn curve(of: &str, knots: &[f64], values: &[Coefficient]) -> CurveDocument {
     let column = |part: usize, scale: f64, take: fn(&Coefficient) -> [f64; 2]| {
         values.iter().map(|value| scale * take(value)[part]).collect()
@@ -151,6 +171,18 @@ fn curve(of: &str, knots: &[f64], values: &[Coefficient]) -> CurveDocument {
         offset_error_um: column(0, 1e3, |at| at.standard_error),
         slope: column(1, 1e6, |at| at.value),
         slope_error: column(1, 1e6, |at| at.standard_error),
+    }
+}
+
+fn repeatability(own: &Repeatability) -> RepeatabilityDocument {
+    let model = |repeat: f64| 1e3 * (own.left_mm * own.left_mm - repeat * repeat).max(0.0).sqrt();
+    RepeatabilityDocument {
+        axis: own.axis.letter(),
+        drift_um: 1e3 * own.drift_mm,
+        left_um: 1e3 * own.left_mm,
+        repeat_um: own.repeat_mm.map(|mm| 1e3 * mm),
+        model_um: own.repeat_mm.map(model),
+        rows: own.rows,
     }
 }
 
@@ -203,6 +235,7 @@ impl FittedRecording {
             unconfirmed: self.fit.unconfirmed.iter().map(|&(rpm, cycle)| UnconfirmedDocument { rpm, cycle }).collect(),
             missing: self.fit.missing.iter().map(|own| self.recording.missing(own)).collect(),
             predicted_um: self.fit.predicted_mm.map(|mm| 1e3 * mm),
+            repeatability: self.repeatability.iter().map(repeatability).collect(),
             held_out_um: [most(|own| own.drift_um), most(|own| own.left_um)],
             cycles,
         }

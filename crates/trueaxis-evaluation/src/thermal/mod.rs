@@ -11,8 +11,8 @@ mod text;
 mod written;
 
 pub use document::{
-    AxisDocument, CurveDocument, CycleDocument, LeftOutDocument, MissingDocument, SensorDocument, ThermalDocument,
-    UnconfirmedDocument,
+    AxisDocument, CurveDocument, CycleDocument, LeftOutDocument, MissingDocument, RepeatabilityDocument,
+    SensorDocument, ThermalDocument, UnconfirmedDocument,
 };
 pub use figures::residuals;
 pub use record::{COLUMNS, Recording, with_temperatures};
@@ -23,7 +23,9 @@ use anyhow::{Result, anyhow, bail};
 use figures::worst;
 use trueaxis::Axis;
 use trueaxis::machine::MachineSettings;
-use trueaxis_metrology::thermal::{Fit, HeldOut, RATE_K_PER_MIN, Sample, Series, Settings, fit, held_out};
+use trueaxis_metrology::thermal::{
+    Fit, HeldOut, Repeatability, Sample, Series, Settings, fit, held_out, repeatability,
+};
 
 /// A record with its fit.
 #[derive(Clone, Debug)]
@@ -36,6 +38,8 @@ pub struct FittedRecording {
     pub figures: Vec<HeldOut>,
     /// Drift and residual over time, by measuring point.
     pub series: Vec<Series>,
+    /// Repeatability of each axis between cycles.
+    pub repeatability: Vec<Repeatability>,
     /// Temperature at which the curves are zero, °C.
     pub reference_c: f64,
 }
@@ -47,17 +51,18 @@ pub fn settings(machine: Option<&MachineSettings>, held_out: Vec<u32>) -> Settin
         reference_c: machine.map_or(20.0, |machine| machine.reference_temperature_c),
         datum_mm: [Axis::X, Axis::Y, Axis::Z].map(datum),
         held_out,
-        rate_k_per_min: RATE_K_PER_MIN,
+        rate_k_per_min: None,
     }
 }
 
-/// The settings with the largest rate at which a sensor warms or cools, K/min, under its command-line name in errors.
+/// The settings with the largest rate at which a sensor warms or cools, K/min, if it is stated, under its command-line name in
+/// errors.
 ///
 /// # Errors
 /// A rate outside 0.1 to 1000.
-pub fn with_rate(settings: Settings, rate_k_per_min: f64) -> Result<Settings> {
-    if !(0.1..=1000.0).contains(&rate_k_per_min) {
-        bail!("--rate-k-per-min: found {rate_k_per_min}, needed 0.1 to 1000");
+pub fn with_rate(settings: Settings, rate_k_per_min: Option<f64>) -> Result<Settings> {
+    if let Some(rate) = rate_k_per_min.filter(|rate| !(0.1..=1000.0).contains(rate)) {
+        bail!("--rate-k-per-min: found {rate}, needed 0.1 to 1000");
     }
     Ok(Settings { rate_k_per_min, ..settings })
 }
@@ -93,6 +98,7 @@ impl FittedRecording {
         let fit = fit(&recording.record, settings, on_cause).map_err(|refused| recording.refused(&refused))?;
         let bytes = fit.model.encode(0).map_err(|error| anyhow!("{}: {error}", recording.file.display()))?;
         let (figures, series) = held_out(&recording.record, &fit, &bytes);
-        Ok(FittedRecording { recording, fit, figures, series, reference_c: settings.reference_c })
+        let repeatability = repeatability(&recording.record, &fit, &bytes, &series);
+        Ok(FittedRecording { recording, fit, figures, series, repeatability, reference_c: settings.reference_c })
     }
 }

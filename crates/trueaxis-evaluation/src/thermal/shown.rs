@@ -43,6 +43,7 @@ impl ThermalDocument {
             .map(|of| vec![format!("E{0}{0}", of.axis).into(), um(of.rms_um), Cell::number(of.condition, 3)]);
         let mut tables = vec![
             Table::new("Drift and remainder", head, cycles),
+            self.predictable(),
             Table::new("Lags", ["sensor", "lag, s"], lags.map(|(name, lag)| vec![name.into(), um(lag)])),
             Table::quantities("Curves", curves),
             Table::new("Fit", ["", "left, RMS, µm", "condition number"], fits),
@@ -62,20 +63,57 @@ impl ThermalDocument {
         tables.push(Table::new("Missing rows", head, missing));
         tables.retain(|table| !table.rows.is_empty());
         let [drift, left] = self.held_out_um.map(|um| significant(um, 3));
+        let cycles = if found.fit.turns.is_empty() {
+            "cycles that took no part in the fit"
+        } else {
+            "cycles each predicted by the curves of the others, sensors and lags chosen for all"
+        };
         let share = percent(self.held_out_um[1], self.held_out_um[0]);
         Shown {
             title: "Thermal growth".into(),
             summary: vec![
                 format!("{} rows", self.rows),
                 format!("zero at {} °C", self.reference_c),
-                format!(
-                    "{left} µm ({share}) left of a largest drift of {drift} µm in cycles that took no part in the fit"
-                ),
+                format!("{left} µm ({share}) left of a largest drift of {drift} µm in {cycles}"),
             ],
             tables,
             plots: found.recording.record.axes.iter().filter_map(|axis| held_out(found, *axis)).collect(),
             ..Shown::default()
         }
+    }
+}
+
+impl ThermalDocument {
+    /// Of each axis: the residual of the held-out cycles, and how much of it no model of these sensors predicts.
+    fn predictable(&self) -> Table {
+        let rows = self.repeatability.iter().map(|own| {
+            let um = |um: Option<f64>| um.map_or_else(|| Cell::from("unknown"), |um| Cell::number(um, 3));
+            let share = |um: f64| Cell::percent(um / own.drift_um.max(f64::MIN_POSITIVE));
+            let most = own.repeat_um.map_or_else(|| Cell::from("unknown"), share);
+            let name = format!("E{0}{0}", own.axis).into();
+            let [drift, left] = [own.drift_um, own.left_um].map(|um| Cell::number(um, 3));
+            vec![
+                name,
+                drift,
+                left,
+                share(own.left_um),
+                um(own.repeat_um),
+                most,
+                um(own.model_um),
+                Cell::count(own.rows),
+            ]
+        });
+        let head = [
+            "",
+            "drift RMS, µm",
+            "left RMS, µm",
+            "left, %",
+            "cycles differ by, µm",
+            "of drift, %",
+            "due to the model, µm",
+            "rows compared",
+        ];
+        Table::new("What these sensors can predict", head, rows)
     }
 }
 

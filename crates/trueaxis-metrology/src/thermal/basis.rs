@@ -96,7 +96,8 @@ impl<'r> Problem<'r> {
         match chosen.cause {
             Cause::Sensor(sensor) => {
                 let reference = self.settings.reference_c;
-                let lagged = self.lagged(chosen.lag_s, |row| self.record.samples[row].temperatures_c[sensor], None);
+                let lagged =
+                    lagged(self.record, chosen.lag_s, |row| self.record.samples[row].temperatures_c[sensor], None);
                 let straight = lagged.iter().map(|at| at - reference).collect();
                 let bends = chosen.bends_c.iter().map(|bend| {
                     let zero = (reference - bend).max(0.0);
@@ -107,36 +108,10 @@ impl<'r> Problem<'r> {
             Cause::Spindle => (1..self.speeds_rpm.len())
                 .map(|knot| {
                     let share = |row: usize| share(&self.speeds_rpm, knot, self.record.samples[row].spindle_rpm);
-                    self.lagged(chosen.lag_s, share, Some(0.0))
+                    lagged(self.record, chosen.lag_s, share, Some(0.0))
                 })
                 .collect(),
         }
-    }
-
-    /// An input after a lag, starting at its first value or at `rest`.
-    fn lagged(&self, lag_s: f64, input: impl Fn(usize) -> f64, rest: Option<f64>) -> Vec<f64> {
-        let samples = &self.record.samples;
-        let mut out = Vec::with_capacity(samples.len());
-        let (mut x, mut before) = (0.0, 0.0);
-        let mut decay = (f64::NAN, Decay::new(1.0, lag_s));
-        for row in 0..samples.len() {
-            let now = input(row);
-            if self.record.begins(row) {
-                x = rest.unwrap_or(now);
-            } else {
-                let dt_s = samples[row].t_s - samples[row - 1].t_s;
-                if dt_s != decay.0 {
-                    decay = (dt_s, Decay::new(dt_s, lag_s));
-                }
-                // Rows of the same moment: no time has passed.
-                if dt_s > 0.0 {
-                    x = decay.1.respond(x, before, now);
-                }
-            }
-            before = now;
-            out.push(x);
-        }
-        out
     }
 
     /// Values of `rows` minus the mean of their group: removes the zero of each measuring point in each cycle.
@@ -155,6 +130,32 @@ impl<'r> Problem<'r> {
             })
             .collect()
     }
+}
+
+/// An input after a lag, starting at its first value or at `rest`.
+pub(super) fn lagged(record: &Record, lag_s: f64, input: impl Fn(usize) -> f64, rest: Option<f64>) -> Vec<f64> {
+    let samples = &record.samples;
+    let mut out = Vec::with_capacity(samples.len());
+    let (mut x, mut before) = (0.0, 0.0);
+    let mut decay = (f64::NAN, Decay::new(1.0, lag_s));
+    for row in 0..samples.len() {
+        let now = input(row);
+        if record.begins(row) {
+            x = rest.unwrap_or(now);
+        } else {
+            let dt_s = samples[row].t_s - samples[row - 1].t_s;
+            if dt_s != decay.0 {
+                decay = (dt_s, Decay::new(dt_s, lag_s));
+            }
+            // Rows of the same moment: no time has passed.
+            if dt_s > 0.0 {
+                x = decay.1.respond(x, before, now);
+            }
+        }
+        before = now;
+        out.push(x);
+    }
+    out
 }
 
 /// Share of a knot at a speed.

@@ -10,6 +10,8 @@ use trueaxis::temperature::SENSORS;
 const JUMP_K: f64 = 5.0;
 /// See [`super::Settings::rate_k_per_min`].
 pub const RATE_K_PER_MIN: f64 = 3.0;
+/// A sensor may change this many times faster than at another time in the record, and in the model than ever in the record.
+pub(super) const OWN_RATE: f64 = 2.0;
 /// A sensor counts as stuck if it repeats a reading for this long, s, this many times longer than anywhere else, in this many
 /// rows, while the others move by this much, K.
 const STUCK_S: f64 = 1_800.0;
@@ -212,7 +214,7 @@ impl fmt::Display for ThermalRefusal {
 
 impl core::error::Error for ThermalRefusal {}
 
-pub(super) fn check(record: &Record, rate_k_per_min: f64) -> Result<(), ThermalRefusal> {
+pub(super) fn check(record: &Record, rate_k_per_min: Option<f64>) -> Result<(), ThermalRefusal> {
     let sensors = record.sensors.len();
     if !(1..=SENSORS).contains(&sensors) {
         return Err(ThermalRefusal::Sensors { found: sensors });
@@ -275,16 +277,54 @@ fn rows(record: &Record) -> Result<(), ThermalRefusal> {
     Ok(())
 }
 
-fn jumps(record: &Record, sensor: usize, rate_k_per_min: f64) -> Result<(), ThermalRefusal> {
-    let mut before: Option<[f64; 2]> = None;
-    for (index, (sample, reading)) in record.samples.iter().zip(record.readings(sensor)).enumerate() {
-        if let Some([t_s, last]) = before.filter(|_| !record.begins(index)) {
-            let (found_k, most_k) = ((reading - last).abs(), JUMP_K + rate_k_per_min / 60.0 * (sample.t_s - t_s));
-            if found_k > most_k {
-                return Err(ThermalRefusal::Jump { sensor: record.sensors[sensor].clone(), index, found_k, most_k });
-            }
+/// Rate of a sensor before each row, K/s; none where lags restart, and between rows of the same moment.
+fn rates(record: &Record, sensor: usize) -> Vec<Option<f64>> {
+    let readings: Vec<f64> = record.readings(sensor).collect();
+    let rate = |row: usize| {
+        let step_s = (!record.begins(row)).then(|| record.samples[row].t_s - record.samples[row - 1].t_s)?;
+        (step_s > 0.0).then(|| (readings[row] - readings[row - 1]) / step_s)
+    };
+    (0..readings.len()).map(rate).collect()
+}
+
+/// Fastest rate of a sensor in the record, K/min, beyond a step of `sudden_k` at once.
+pub(super) fn fastest_k_per_min(record: &Record, sensor: usize, sudden_k: f64) -> f64 {
+    let beyond = |(row, rate): (usize, Option<f64>)| {
+        let step_s = record.samples[row].t_s - record.samples[row.max(1) - 1].t_s;
+        rate.map_or(0.0, |rate| 60.0 * (rate.abs() - sudden_k / step_s))
+    };
+    rates(record, sensor).into_iter().enumerate().map(beyond).fold(0.0, f64::max)
+}
+
+/// A heated bed moves faster than any machine, but it does so in every cycle, or over several rows; a sensor that fails jumps
+/// once, or there and back.
+fn jumps(record: &Record, sensor: usize, rate_k_per_min: Option<f64>) -> Result<(), ThermalRefusal> {
+    let rates = rates(record, sensor);
+    let stated = rate_k_per_min.unwrap_or(RATE_K_PER_MIN) / 60.0;
+    let cycle = |row: usize| record.samples[row].cycle;
+    let mut before = 0.0;
+    for (index, rate) in rates.iter().enumerate() {
+        if record.begins(index) {
+            continue;
         }
-        before = Some([sample.t_s, reading]);
+        let [last, reading] = [index - 1, index].map(|row| record.samples[row].temperatures_c[sensor]);
+        let after = rates[index + 1..].iter().flatten().next().copied().unwrap_or(0.0);
+        let step_s = record.samples[index].t_s - record.samples[index - 1].t_s;
+        let (found_k, mut most_k) = ((reading - last).abs(), JUMP_K + stated * step_s);
+        if let Some(rate) = rate.filter(|_| found_k > most_k && rate_k_per_min.is_none()) {
+            // Rates in the same direction, without a return right before or after.
+            let alike = |other: f64| if other * rate > 0.0 { other.abs() } else { 0.0 };
+            let returns =
+                [before, after].into_iter().any(|other: f64| other * rate < 0.0 && 2.0 * other.abs() > rate.abs());
+            let elsewhere = rates.iter().enumerate().filter(|(row, _)| cycle(*row) != cycle(index));
+            let own = elsewhere.filter_map(|(_, other)| other.map(alike)).chain([before, after].map(alike));
+            let own = own.fold(0.0, f64::max);
+            most_k = if returns { most_k } else { most_k.max(OWN_RATE * own * step_s) };
+        }
+        if found_k > most_k {
+            return Err(ThermalRefusal::Jump { sensor: record.sensors[sensor].clone(), index, found_k, most_k });
+        }
+        before = rate.unwrap_or(before);
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! The fit: causes and lags by search, curves by least squares, and the model for the task.
 
 use super::basis::{Cause, Chosen, Problem, slot};
-use super::check::{check, longest_run_s};
+use super::check::{OWN_RATE, check, fastest_k_per_min, longest_run_s};
 use super::linear::{Solved, solve};
 use super::missing::{Missing, missing};
 use super::model::{AxisCurves, Model, SensorCurve, Spindle};
@@ -88,6 +88,9 @@ pub struct Fit {
     pub unconfirmed: Vec<(f64, u32)>,
     /// Rows missing from the record; the fit can follow across all of them.
     pub missing: Vec<Missing>,
+    /// If every cycle is held out in turn, the fits without one cycle each: causes, lags and parts as in this one, values from
+    /// the other cycles.
+    pub turns: Vec<Fit>,
 }
 
 /// Fits lags and curves; reports each cause that enters, by name, to the callback.
@@ -98,9 +101,12 @@ pub struct Fit {
 /// [`ThermalRefusal`].
 pub fn fit(record: &Record, settings: &Settings, on_cause: &mut dyn FnMut(&str)) -> Result<Fit, ThermalRefusal> {
     check(record, settings.rate_k_per_min)?;
-    let held_out = held_out(record, settings)?;
-    let rows: Vec<usize> =
-        (0..record.samples.len()).filter(|row| !held_out.contains(&record.samples[*row].cycle)).collect();
+    let (held_out, cycles) = (held_out(record, settings)?, record.cycles());
+    let rows_without = |out: &[u32]| -> Vec<usize> {
+        (0..record.samples.len()).filter(|row| !out.contains(&record.samples[*row].cycle)).collect()
+    };
+    let in_turn = cycles.iter().all(|cycle| held_out.contains(cycle));
+    let rows = rows_without(if in_turn { &[] } else { &held_out });
     let problem = Problem::new(record, settings, &rows);
     let search = Search::new(&problem, &rows);
     let name = |cause: Cause| match cause {
@@ -118,36 +124,57 @@ pub fn fit(record: &Record, settings: &Settings, on_cause: &mut dyn FnMut(&str))
     });
     let count = (rows.len() * record.axes.len()).max(1) as f64 / search.share();
     let predicted_mm = left.map(|squares| (squares / count).sqrt());
-
-    let sensors: Vec<usize> = causes.iter().filter_map(|chosen| sensor(chosen.cause)).collect();
-    let linear =
-        (0..record.axes.len()).map(|axis| Linear::of(&problem, &rows, axis, &causes, &search.parts(axis, &causes)));
-    let linear = linear.collect::<Result<Vec<Linear>, ThermalRefusal>>()?;
-    let lags = lags(&linear, causes.len());
-    let found = (0..record.axes.len()).map(|axis| of_axis(&problem, axis, &causes, &linear[axis], &lags));
-    let (axes, weights): (Vec<OfAxis>, Vec<Vec<DVector<f64>>>) = found.unzip();
-    let covariance = covariance(&linear, &weights, &lags);
-    let curves = |of: &OfAxis| AxisCurves {
-        axis: of.axis,
-        datum: settings.datum_mm[slot(of.axis)],
-        sensors: of.sensors.iter().map(|curve| curve.iter().map(|at| at.value).collect()).collect(),
-        spindle: of.spindle.iter().map(|at| at.value).collect(),
-    };
-    let spindle = causes.iter().find(|chosen| chosen.cause == Cause::Spindle);
-    let model = Model {
-        sensors: causes.iter().filter_map(|chosen| curve(record, settings.rate_k_per_min, chosen)).collect(),
-        spindle: spindle.map(|chosen| Spindle { lag_s: chosen.lag_s, knots_rpm: problem.speeds_rpm.clone() }),
-        axes: axes.iter().map(curves).collect(),
-    };
-    model.encode(0).map_err(ThermalRefusal::Encoding)?;
-    let fitted: Vec<u32> = record.cycles().into_iter().filter(|cycle| !held_out.contains(cycle)).collect();
-    let knots = problem.speeds_rpm.iter().zip(&problem.lone).filter(|_| model.spindle.is_some());
-    let unconfirmed = knots.filter_map(|(rpm, lone)| Some((*rpm, *fitted.get((*lone)?)?))).collect();
-    let left_out = left_out(record, &problem, &causes);
-    let missing = missing(record);
-    let fit = Fit { left_out, model, sensors, axes, covariance, predicted_mm, held_out, unconfirmed, missing };
+    let found = Found { problem: &problem, causes: &causes, predicted_mm };
+    let parts: Vec<Vec<Parts>> = (0..record.axes.len()).map(|axis| search.parts(axis, &causes)).collect();
+    let mut fit = found.fit(&rows, &parts, held_out)?;
     followed(&fit)?;
+    if in_turn {
+        let turns = cycles.iter().map(|cycle| found.fit(&rows_without(&[*cycle]), &parts, vec![*cycle]));
+        fit.turns = turns.collect::<Result<_, _>>()?;
+    }
     Ok(fit)
+}
+
+/// Causes with their lags and bends, and the drift before and after, as in [`Fit::predicted_mm`].
+struct Found<'p, 'r> {
+    problem: &'p Problem<'r>,
+    causes: &'p [Chosen],
+    predicted_mm: [f64; 2],
+}
+
+impl Found<'_, '_> {
+    /// Fits the curves to these rows.
+    fn fit(&self, rows: &[usize], parts: &[Vec<Parts>], held_out: Vec<u32>) -> Result<Fit, ThermalRefusal> {
+        let Found { problem, causes, predicted_mm } = *self;
+        let (record, settings) = (problem.record, problem.settings);
+        let sensors: Vec<usize> = causes.iter().filter_map(|chosen| sensor(chosen.cause)).collect();
+        let linear = (0..record.axes.len()).map(|axis| Linear::of(problem, rows, axis, causes, &parts[axis]));
+        let linear = linear.collect::<Result<Vec<Linear>, ThermalRefusal>>()?;
+        let lags = lags(&linear, causes.len());
+        let found = (0..record.axes.len()).map(|axis| of_axis(problem, axis, causes, &linear[axis], &lags));
+        let (axes, weights): (Vec<OfAxis>, Vec<Vec<DVector<f64>>>) = found.unzip();
+        let covariance = covariance(&linear, &weights, &lags);
+        let curves = |of: &OfAxis| AxisCurves {
+            axis: of.axis,
+            datum: settings.datum_mm[slot(of.axis)],
+            sensors: of.sensors.iter().map(|curve| curve.iter().map(|at| at.value).collect()).collect(),
+            spindle: of.spindle.iter().map(|at| at.value).collect(),
+        };
+        let spindle = causes.iter().find(|chosen| chosen.cause == Cause::Spindle);
+        let model = Model {
+            sensors: causes.iter().filter_map(|chosen| curve(record, settings.rate_k_per_min, chosen)).collect(),
+            spindle: spindle.map(|chosen| Spindle { lag_s: chosen.lag_s, knots_rpm: problem.speeds_rpm.clone() }),
+            axes: axes.iter().map(curves).collect(),
+        };
+        model.encode(0).map_err(ThermalRefusal::Encoding)?;
+        let mut fitted: Vec<u32> = rows.iter().map(|row| record.samples[*row].cycle).collect();
+        fitted.dedup();
+        let knots = problem.speeds_rpm.iter().zip(&problem.lone).filter(|_| model.spindle.is_some());
+        let unconfirmed = knots.filter_map(|(rpm, lone)| Some((*rpm, *fitted.get((*lone)?)?))).collect();
+        let left_out = left_out(record, problem, causes);
+        let (missing, turns) = (missing(record), Vec::new());
+        Ok(Fit { left_out, model, sensors, axes, covariance, predicted_mm, held_out, unconfirmed, missing, turns })
+    }
 }
 
 fn held_out(record: &Record, settings: &Settings) -> Result<Vec<u32>, ThermalRefusal> {
@@ -158,7 +185,8 @@ fn held_out(record: &Record, settings: &Settings) -> Result<Vec<u32>, ThermalRef
         settings.held_out.clone()
     };
     for &cycle in &named {
-        if !cycles.contains(&cycle) || cycles.len() < named.len() + 2 {
+        let every = cycles.iter().all(|cycle| named.contains(cycle));
+        if !cycles.contains(&cycle) || (cycles.len() < named.len() + 2 && !every) {
             return Err(ThermalRefusal::HeldOut { cycle });
         }
     }
@@ -182,7 +210,7 @@ fn knots(record: &Record, sensor: usize, bends: &[f64]) -> Vec<f64> {
     core::iter::once(ends[0]).chain(bends.iter().copied()).chain([ends[1]]).map(millis).collect()
 }
 
-fn curve(record: &Record, rate_k_per_min: f64, chosen: &Chosen) -> Option<SensorCurve> {
+fn curve(record: &Record, rate_k_per_min: Option<f64>, chosen: &Chosen) -> Option<SensorCurve> {
     let sensor = sensor(chosen.cause)?;
     let lag_s = (10.0 * chosen.lag_s).round() / 10.0;
     let stuck_s = (STUCK_TIMES * longest_run_s(record, sensor)).max(STUCK_LEAST_S).round();
@@ -192,7 +220,9 @@ fn curve(record: &Record, rate_k_per_min: f64, chosen: &Chosen) -> Option<Sensor
     let ends = [usual.knots_c.first().copied().unwrap_or(least), usual.knots_c.last().copied().unwrap_or(most)];
     // The recorded readings, and changes at the stated rate, must be plausible to the task.
     let plausible_c = [least.min(ends[0]), most.max(ends[1])];
-    let jump_k = [usual.jump_k[0], usual.jump_k[1].max(rate_k_per_min)];
+    let [sudden_k, usual_rate] = usual.jump_k;
+    let own = || (OWN_RATE * fastest_k_per_min(record, sensor, sudden_k)).ceil();
+    let jump_k = [sudden_k, usual_rate.max(rate_k_per_min.unwrap_or_else(own))];
     Some(SensorCurve { stuck_s, plausible_c, jump_k, ..usual })
 }
 

@@ -40,8 +40,20 @@ pub struct Series {
     pub rows: Vec<[f64; 3]>,
 }
 
-/// Runs the task over the record; `bytes` is the model's file. The results are in the order of axes and cycles.
+/// Runs the task over the record; `bytes` is the model's file. The results are in the order of axes and cycles. If every cycle
+/// is held out in turn, its results are those of the fit without it.
 pub fn held_out(record: &Record, fit: &Fit, bytes: &[u8]) -> (Vec<HeldOut>, Vec<Series>) {
+    let (mut figures, mut series) = run(record, fit, bytes);
+    for turn in &fit.turns {
+        let (own, drifts) = turn.model.encode(0).map_or_else(|_| Default::default(), |bytes| run(record, turn, &bytes));
+        let out = |cycle: u32| turn.held_out.contains(&cycle);
+        figures.iter_mut().zip(own).filter(|(_, own)| out(own.cycle)).for_each(|(all, own)| *all = own);
+        series.iter_mut().zip(drifts).filter(|(_, own)| out(own.cycle)).for_each(|(all, own)| *all = own);
+    }
+    (figures, series)
+}
+
+pub(super) fn run(record: &Record, fit: &Fit, bytes: &[u8]) -> (Vec<HeldOut>, Vec<Series>) {
     let Ok(thermal) = Thermal::parse(bytes) else { return (Vec::new(), Vec::new()) };
     let groups = record.groups();
     // The record has been checked, so the sensors are trusted from the start.

@@ -20,6 +20,7 @@ mod held_out;
 mod linear;
 mod missing;
 mod model;
+mod repeat;
 mod search;
 
 pub use check::{RATE_K_PER_MIN, ThermalRefusal};
@@ -27,6 +28,7 @@ pub use fit::{Coefficient, Fit, LeftOut, OfAxis, fit};
 pub use held_out::{HeldOut, Series, held_out};
 pub use missing::Missing;
 pub use model::{AxisCurves, Model, NotEncoded, SensorCurve, Spindle};
+pub use repeat::{Repeatability, repeatability};
 
 use std::string::String;
 use std::vec::Vec;
@@ -69,12 +71,13 @@ pub struct Settings {
     pub reference_c: f64,
     /// Position of X, Y, Z at which the slope's contribution is zero, mm.
     pub datum_mm: [f64; 3],
-    /// Cycles excluded from the fit; if empty, the last one.
+    /// Cycles excluded from the fit; if empty, the last one. If it has every cycle, each is excluded in turn: causes and lags
+    /// are those with which the others predict it best, summed over all, and the model is that of all cycles.
     pub held_out: Vec<u32>,
     /// Largest plausible change of a sensor per minute, K: a change that exceeds it by more than 5 K is refused as a jump. If
-    /// larger than the usual plausible change, it also becomes that of every sensor in the model. [`RATE_K_PER_MIN`] suits a
-    /// machine tool.
-    pub rate_k_per_min: f64,
+    /// larger than the usual plausible change, it also becomes that of every sensor in the model. `None`:
+    /// [`RATE_K_PER_MIN`], which suits a machine tool, or twice the rate that the sensor itself shows at another time.
+    pub rate_k_per_min: Option<f64>,
 }
 
 /// Least number of cycles: one held out, and two that predict each other.

@@ -259,7 +259,7 @@ def thermal_fit(
     machine: Machine | None = None,
     hold_out: Sequence[int] = ...,
     without: Sequence[str] = ...,
-    rate_k_per_min: float = ...,
+    rate_k_per_min: float | None = ...,
     residuals: bool = False,
     toml: bool = False,
 ) -> ThermalFit: ...

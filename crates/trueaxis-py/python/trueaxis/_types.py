@@ -1340,6 +1340,35 @@ class Cycle(Section):
     left_rms_um: float
 
 
+class Repeatability(Section):
+    """Repeatability of an axis beside the residual of the held-out cycles; root mean squares, µm, each about the mean of its cycle.
+
+    Attributes
+    ----------
+    axis : str
+        Letter of the axis.
+    drift_um : float
+        Drift of the held-out cycles.
+    left_um : float
+        Residual of the held-out cycles.
+    repeat_um : float | None
+        Deviation of a cycle from another one in which all sensors agree, now and in the past: no model of these sensors predicts it; `None` if no two cycles come to the same temperatures.
+    model_um : float | None
+        Residual without that deviation: the most that another model could remove.
+    rows : int
+        Number of rows compared.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    axis: str
+    drift_um: float
+    left_um: float
+    repeat_um: float | None
+    model_um: float | None
+    rows: int
+
+
 class ThermalFit(Result):
     """Result of `thermal_fit`.
 
@@ -1367,6 +1396,8 @@ class ThermalFit(Result):
         Root mean square of the drift and of the residual, µm, when every fitted cycle is predicted from the others; parts that only one cycle determines are fitted in that prediction.
     cycles : tuple[Cycle, ...]
         Drift and residual of the held-out cycles and of the others.
+    repeatability : tuple[Repeatability, ...]
+        What the sensors can predict of each axis at all, beside the residual.
     held_out_um : NDArray[np.float64]
         Largest drift of the held-out cycles, µm, and largest residual.
     toml : str
@@ -1376,7 +1407,7 @@ class ThermalFit(Result):
     """
 
     __slots__ = ()
-    _sections: ClassVar[dict[str, type[Section]]] = {"sensors": Sensor, "axes": Axis, "covariance": Covariance, "left_out": LeftOut, "unconfirmed": Unconfirmed, "missing": Missing, "cycles": Cycle}
+    _sections: ClassVar[dict[str, type[Section]]] = {"sensors": Sensor, "axes": Axis, "covariance": Covariance, "left_out": LeftOut, "unconfirmed": Unconfirmed, "missing": Missing, "cycles": Cycle, "repeatability": Repeatability}
     rows: int
     reference_c: float
     sensors: tuple[Sensor, ...]
@@ -1388,6 +1419,7 @@ class ThermalFit(Result):
     missing: tuple[Missing, ...]
     predicted_um: NDArray[np.float64]
     cycles: tuple[Cycle, ...]
+    repeatability: tuple[Repeatability, ...]
     held_out_um: NDArray[np.float64]
     toml: str
     residuals_um: NDArray[np.float64]

@@ -29,7 +29,7 @@ use duty::{Kind, Shift};
 use instruments::{Probe, Sensors};
 use std::fmt::Write;
 use trueaxis::Axis;
-use trueaxis_metrology::thermal::{RATE_K_PER_MIN, Record, Sample, Settings, fit, held_out};
+use trueaxis_metrology::thermal::{Record, Sample, Settings, fit, held_out};
 use trueaxis_tables::Machine;
 
 /// Length of a shift, s.
@@ -96,7 +96,7 @@ impl Warming {
             reference_c: self.machine.settings.reference_temperature_c,
             datum_mm: [Axis::X, Axis::Y, Axis::Z].map(datum),
             held_out: Vec::new(),
-            rate_k_per_min: RATE_K_PER_MIN,
+            rate_k_per_min: None,
         };
         let found = fit(&record, &settings, &mut |cause| progress(&format!("fitting: {cause}")))?;
         let bytes = found.model.encode(0).map_err(trueaxis_metrology::thermal::ThermalRefusal::Encoding)?;
