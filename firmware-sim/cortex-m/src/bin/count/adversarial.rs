@@ -1,6 +1,7 @@
 //! The whole step over adversarial cycles: the most expensive of a hundred thousand, and a digest of all outputs.
 
 use crate::arena::Arena;
+use crate::climb;
 use crate::forms::{FORMS, Machine, PreparedCycle, STAGES};
 use crate::middle::Middle;
 use crate::recorded;
@@ -45,7 +46,7 @@ impl Dearest {
 
 /// The courses and the adversary that drives on them.
 pub struct Run<'a, R: Wire<Place = P>, P: Integer> {
-    machine: &'a Machine<R, P>,
+    pub machine: &'a Machine<R, P>,
     courses: &'a [Course<R, P>],
     pub adversary: Adversary<'a, R, P>,
 }
@@ -166,6 +167,7 @@ pub fn all<R: Wire<Place = P>, P: Integer>(scalar: &str, machine: &Machine<R, P>
         found.add(number, &moment, &cycle);
     }
     found.print(scalar);
+    climb::dearest(scalar, &mut run);
     replay(scalar, machine, found.dearest[0].worst(), arena);
 }
 

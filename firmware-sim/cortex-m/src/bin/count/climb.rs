@@ -71,7 +71,7 @@ impl Way {
 }
 
 /// Climbs from a scene.
-fn climb<R: Wire<Place = P>, P: Integer>(run: &mut Run<'_, R, P>, machine: &Machine<R, P>, scene: u32) -> Way {
+fn climb<R: Wire<Place = P>, P: Integer>(run: &mut Run<'_, R, P>, scene: u32) -> Way {
     let mut best = Way { scene, changes: [Change::default(); MOST], count: 0, at: 0, worst: 0 };
     let mut ran = 0;
     for at in 0..SCENE {
@@ -88,13 +88,13 @@ fn climb<R: Wire<Place = P>, P: Integer>(run: &mut Run<'_, R, P>, machine: &Mach
             best.count(run, at);
         }
         ran += first;
-        let checkpoint = Checkpoint { adversary: run.adversary.clone(), state: machine.bare_state() };
+        let checkpoint = Checkpoint { adversary: run.adversary.clone(), state: run.machine.bare_state() };
         let mut found = false;
         while !found && ran < LENGTH {
             seed += 1;
             let Some(mut way) = best.leaving(first + seed % (best.at - first + 1), seed) else { return best };
             run.adversary = checkpoint.adversary.clone();
-            machine.set_bare_state(&checkpoint.state);
+            run.machine.set_bare_state(&checkpoint.state);
             let end = (best.at + BEYOND).min(SCENE - 1);
             for at in first..=end {
                 let count = way.count(run, at);
@@ -120,12 +120,11 @@ fn print(scalar: &str, way: &Way) {
 pub fn all<R: Wire<Place = P>, P: Integer>(scalar: &str, machine: &Machine<R, P>, climbs: u32, arena: &mut Arena) {
     let mut run = Run::new(machine, arena);
     for scene in 0..climbs.min(CYCLES / SCENE) {
-        print(scalar, &climb(&mut run, machine, scene));
+        print(scalar, &climb(&mut run, scene));
     }
 }
 
 /// Climbs to the dearest cycle of all.
-pub fn dearest<R: Wire<Place = P>, P: Integer>(scalar: &str, machine: &Machine<R, P>, arena: &mut Arena) {
-    let mut run = Run::new(machine, arena);
-    print(scalar, &climb(&mut run, machine, DEAREST));
+pub fn dearest<R: Wire<Place = P>, P: Integer>(scalar: &str, run: &mut Run<'_, R, P>) {
+    print(scalar, &climb(run, DEAREST));
 }

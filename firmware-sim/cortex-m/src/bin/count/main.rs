@@ -56,7 +56,6 @@ fn count<R: Wire<Place = P>, P: Integer>(scalar: &str, adversarial: bool) {
     if adversarial {
         dynamic::adversarial::<R, P>(scalar, &mut arena);
         adversarial::all::<R, P>(scalar, machine, &mut arena);
-        climb::dearest::<R, P>(scalar, machine, &mut arena);
     }
 }
 
