@@ -328,14 +328,7 @@ impl<R: Real> ContourSearch<R> {
 impl<R: Real> Feet<R> {
     /// Takes the feet of one frame, if they lie on its span.
     #[inline(always)]
-    fn take(
-        &mut self,
-        span: u32,
-        seen: Seen,
-        along: &Tangent<R>,
-        tip: &ContourError<R>,
-        encoder: &ContourError<R>,
-    ) {
+    fn take(&mut self, span: u32, seen: Seen, along: &Tangent<R>, tip: &ContourError<R>, encoder: &ContourError<R>) {
         let found = |foot: &ContourError<R>| {
             let vector: [R; 3] = foot.vector.into();
             Found {
