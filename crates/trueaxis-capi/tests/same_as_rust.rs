@@ -78,8 +78,9 @@ fn around<const N: usize>(first: &[u8], second: &[u8], center: [f64; 3], cycles:
         same(&out, &expected, cycle);
         measured += usize::from(out.record.status & STATUS_CONTOUR != 0);
     }
-    // The search is cold at the start and after every fault.
-    assert!(measured + 40 > cycles, "{measured} of {cycles} cycles measured a contour error");
+    // At the start and after every fault the search takes at most 15 cycles.
+    assert!(measured + 80 > cycles, "{measured} of {cycles} cycles measured a contour error");
+    assert!(measured > 0 || cfg!(miri));
     assert!(out.record.correction[..N].iter().any(|c| c.abs() > 1e-6), "nothing was corrected");
 }
 
