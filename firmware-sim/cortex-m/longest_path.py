@@ -402,13 +402,13 @@ class Trace:
     def wrong(self, at, why):
         raise Refused(f"the trace leaves the graph at {at:#x} in {self.program.holding(at).name}: {why}")
 
-    def enter(self, at, back):
-        """A call or a tail call of a function that begins here."""
+    def enter(self, at, back, caller):
+        """A call or a tail call of a function that begins here, from one with this plan."""
         function = self.program.functions.get(at)
         if function is None:
             self.wrong(at, "no function begins here")
         plan = self.paths.plans.get(at)
-        if plan is None and function.name not in memory_calls.LENGTH and not (self.stack and self.stack[-1][0] is None):
+        if plan is None and caller and function.name not in memory_calls.LENGTH:
             self.wrong(at, "the function was left out")
         if plan and plan.takes:
             self.takes[plan.takes[2]] += plan.takes[0]
@@ -433,7 +433,7 @@ class Trace:
         """Follows the first call of the function; returns its number of instructions."""
         calls = {}
         blocks = {}
-        self.enter(self.function.address, None)
+        self.enter(self.function.address, None, self.paths.plans[self.function.address])
         now = None
         for number, at in enumerate(addresses):
             self.count = number
@@ -459,11 +459,12 @@ class Trace:
             if callee is not None and not (skips and after != callee):
                 if after != callee:
                     self.wrong(at, f"a call goes to {after:#x}")
-                self.enter(after, (following, now))
+                self.enter(after, (following, now), self.stack[-1][0])
                 now = None
             elif last and after in block.goes:
                 if after not in here:
-                    self.enter(after, self.stack.pop()[1])
+                    caller, back, _ = self.stack.pop()
+                    self.enter(after, back, caller)
                     now = None
             elif last and RETURN in block.goes:
                 back = self.stack.pop()[1]
