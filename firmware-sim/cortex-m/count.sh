@@ -6,7 +6,7 @@
 #   count.sh --commit                      writes the counts into counts.toml and adversarial.toml instead
 #   count.sh --replay CYCLE                runs an adversarial cycle: events, stages, inputs
 #   count.sh --replay-recorded CYCLE       runs a cycle of the recording
-#   count.sh --climb CLIMBS                searches for dearer cycles by so many climbs of 20,000 cycles
+#   count.sh --climb CLIMBS                searches for dearer cycles in CLIMBS climbs of 20,000 cycles (climb.rs repeats the best of 50)
 #
 # Installs the target, and QEMU where root may.
 set -euo pipefail

@@ -18,7 +18,7 @@ pub enum Request {
     Recorded(u32),
     /// One of the adversarial cycles.
     Adversarial(u32),
-    /// So many climbs to the dearest cycle.
+    /// Number of climbs to a dearer cycle.
     Climbs(u32),
 }
 

@@ -59,7 +59,7 @@ fn count<R: Wire<Place = P>, P: Integer>(scalar: &str, adversarial: bool) {
     }
 }
 
-/// Runs what is requested.
+/// Runs the request.
 fn replay<R: Wire<Place = P>, P: Integer>(scalar: &str, request: Request) {
     let mut arena = Arena::take();
     let machine = Machine::flashed(recorded::recording().header().period_ns, &mut arena);
