@@ -382,6 +382,19 @@ fn a_bed_that_moves_16_k_between_rows_is_a_sensor_and_one_without_heat_is_not() 
     let z = figures.iter().find(|own| own.held_out && own.axis == Axis::Z).unwrap();
     assert!(z.left_mm < 0.05 * z.drift_mm, "{z:?}");
 
+    // A bed that cools fast where each cycle ends, and heats at once after the rest.
+    let mut cools = record.clone();
+    for cycle in record.cycles() {
+        let own = |sample: &&mut Sample| sample.cycle == cycle;
+        let end_s = cools.samples.iter_mut().rfind(own).unwrap().t_s;
+        for (row, sample) in cools.samples.iter_mut().filter(own).enumerate() {
+            sample.temperatures_c[2] += if row == 0 { 0.0 } else { 8.0 };
+            sample.temperatures_c[2] -= 0.1 * (sample.t_s - end_s + 240.0).max(0.0);
+            sample.t_s += 20_000.0 * f64::from(sample.cycle);
+        }
+    }
+    fit(&cools, &settings(), &mut |_| ()).unwrap();
+
     // A whole heating between two rows.
     let apart = with_bed(900);
     let names = fit(&apart, &settings(), &mut |_| ()).unwrap().model.sensors;

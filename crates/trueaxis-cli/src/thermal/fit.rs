@@ -37,7 +37,7 @@ Curves are found by least squares, lags by search. A sensor is included if it ma
 better; one that adds nothing to the others is left out. The remaining error is reported for the cycles held out, by \
 the task's own code, beside what no model of these sensors predicts: how much cycles differ at the same temperatures.
 
-Refused: sensors that jump (a heated bed that is as fast in other cycles, or over several rows, does not), stick or run together, records in which nothing moves, rows missing for longer than a \
+Refused: sensors that jump (a heated bed passes if it is as fast in other cycles or over several rows), stick or run together, records in which nothing moves, rows missing for longer than a \
 lag. Shorter gaps in an otherwise even record are reported.
 
 `trueaxis thermal compile` turns the thermal.toml of -o into a file for the controller.

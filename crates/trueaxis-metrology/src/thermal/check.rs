@@ -56,6 +56,13 @@ pub enum ThermalRefusal {
         /// Index of the row.
         index: usize,
     },
+    /// A cycle cannot be held out in turn: the others are not enough.
+    WithoutCycle {
+        /// Number of the cycle.
+        cycle: u32,
+        /// What is wrong with the fit to the others.
+        refusal: std::boxed::Box<ThermalRefusal>,
+    },
     /// A row repeats the moment and measuring point of another.
     Twice {
         /// Index of the second row.
@@ -164,6 +171,9 @@ impl fmt::Display for ThermalRefusal {
             ),
             Self::HeldOut { cycle } => {
                 write!(f, "found no cycle {cycle} to hold out, or fewer than two left for the fit")
+            }
+            Self::WithoutCycle { cycle, refusal } => {
+                write!(f, "cycle {cycle} held out in turn: {refusal}; or hold out other cycles")
             }
             Self::Rows { cycle, found } => write!(f, "rows of cycle {cycle}: found {found}, needed at least {LEAST_ROWS}"),
             Self::Sensors { found } => write!(f, "found {found} sensors, needed 1 to {SENSORS}"),
@@ -305,10 +315,12 @@ fn jumps(record: &Record, sensor: usize, rate_k_per_min: Option<f64>) -> Result<
     let mut before = 0.0;
     for (index, rate) in rates.iter().enumerate() {
         if record.begins(index) {
+            before = 0.0;
             continue;
         }
         let [last, reading] = [index - 1, index].map(|row| record.samples[row].temperatures_c[sensor]);
-        let after = rates[index + 1..].iter().flatten().next().copied().unwrap_or(0.0);
+        let rest = (index + 1..rates.len()).take_while(|row| !record.begins(*row));
+        let after = rest.filter_map(|row| rates[row]).next().unwrap_or(0.0);
         let step_s = record.samples[index].t_s - record.samples[index - 1].t_s;
         let (found_k, mut most_k) = ((reading - last).abs(), JUMP_K + stated * step_s);
         if let Some(rate) = rate.filter(|_| found_k > most_k && rate_k_per_min.is_none()) {

@@ -89,7 +89,7 @@ pub struct Fit {
     /// Rows missing from the record; the fit can follow across all of them.
     pub missing: Vec<Missing>,
     /// If every cycle is held out in turn, the fits without one cycle each: causes, lags and parts as in this one, values from
-    /// the other cycles.
+    /// the other cycles, none of them listed as unconfirmed.
     pub turns: Vec<Fit>,
 }
 
@@ -129,8 +129,12 @@ pub fn fit(record: &Record, settings: &Settings, on_cause: &mut dyn FnMut(&str))
     let mut fit = found.fit(&rows, &parts, held_out)?;
     followed(&fit)?;
     if in_turn {
-        let turns = cycles.iter().map(|cycle| found.fit(&rows_without(&[*cycle]), &parts, vec![*cycle]));
-        fit.turns = turns.collect::<Result<_, _>>()?;
+        let without = |cycle: &u32| {
+            let turn = found.fit(&rows_without(&[*cycle]), &parts, vec![*cycle]);
+            let turn = turn.map(|turn| Fit { unconfirmed: Vec::new(), ..turn });
+            turn.map_err(|refusal| ThermalRefusal::WithoutCycle { cycle: *cycle, refusal: refusal.into() })
+        };
+        fit.turns = cycles.iter().map(without).collect::<Result<_, _>>()?;
     }
     Ok(fit)
 }
@@ -218,7 +222,7 @@ fn curve(record: &Record, rate_k_per_min: Option<f64>, chosen: &Chosen) -> Optio
     let usual = SensorCurve::new(&record.sensors[sensor], lag_s, knots);
     let [least, most] = usual.plausible_c;
     let ends = [usual.knots_c.first().copied().unwrap_or(least), usual.knots_c.last().copied().unwrap_or(most)];
-    // The recorded readings, and changes at the stated rate, must be plausible to the task.
+    // The recorded readings, and changes at the stated rate or twice the sensor's own, must be plausible to the task.
     let plausible_c = [least.min(ends[0]), most.max(ends[1])];
     let [sudden_k, usual_rate] = usual.jump_k;
     let own = || (OWN_RATE * fastest_k_per_min(record, sensor, sudden_k)).ceil();
