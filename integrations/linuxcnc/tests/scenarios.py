@@ -401,7 +401,7 @@ def contour(pilot):
     """Arcs and lines on drives that lag."""
     pilot.record(joints(3, "joint.%d.pos-cmd", "ta.joint.%d.motor-pos-fb-in") +
                  ["ta.contour.%s.%s" % (of, what)
-                  for of in ("tip", "encoder") for what in ("error", "normal", "lag", "found")] +
+                  for of in ("tip", "encoder") for what in ("error", "normal", "lag", "found", "searching")] +
                  ["ta.active", "ta.fault-code"])
     pilot.on()
     pilot.home()
