@@ -152,7 +152,7 @@ fn another_gauge_is_refused() {
     let truth = random_machine(2, &STRAIGHT);
     let task = GAUGE.replace("UM", "300.0").replace("PPM", "");
     let refused = run(task.as_str(), &truth, 2, &Conditions::EXACT).unwrap_err().to_string();
-    assert!(refused.contains("of gauge") && refused.contains("from its certificate"), "{refused}");
+    assert!(refused.contains("of gauge") && refused.contains("from the size that the task states"), "{refused}");
     assert!(refused.contains("at most 150 µm"), "{refused}");
     let dials = include_str!("../../records/probing/dial.toml");
     let refused = run(dials, &truth, 2, &Conditions::EXACT).unwrap_err().to_string();

@@ -1,7 +1,7 @@
 //! Artefacts that a shop owns: blocks touched, and dial indicators read, on machines of stated errors by exact transforms.
 
 use std::path::Path;
-use trueaxis_evaluation::calibrate::{CalibrationDocument, Task, solved};
+use trueaxis_evaluation::calibrate::{CalibrationDocument, Kind, Plan, Task, directions, planned, solved};
 use trueaxis_evaluation::simulated::rehearsal::{Conditions, Drift, FilledSheet, calibrate, dial};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
@@ -128,6 +128,44 @@ fn a_block_of_three_lengths_turned_over_gives_squareness_within_its_standard_err
         scores(compared(&found, &STRAIGHT))
     });
     check(&all.collect::<Vec<_>>());
+}
+
+/// Least distance of the tip from the surface that a block stands on, mm, if it is off its place by half of the approach.
+const ROOM_MM: f64 = 1.0;
+
+/// At every position before, at the start of, at and at the end of a probing move.
+#[test]
+fn the_tip_stays_clear_of_the_base_and_comes_to_it_from_outside() {
+    for text in [BLOCKS, THREE_LENGTHS] {
+        let (task, machine) = (task(text), nominal());
+        let plan = Plan::new(&task, &machine).unwrap();
+        let (radius, approach) = (task.probe.tip_radius_mm, task.probe.approach_mm);
+        let [mut sides, mut bases] = [0; 2];
+        for (touch, at) in plan.touches.iter().zip(planned(&task, &plan)) {
+            let Kind::Block(block) = &task.artefacts[touch.artefact].kind else { continue };
+            let place = &task.artefacts[touch.artefact].places[touch.place];
+            let (up, [axes, _]) = (place.normal.index() % 3, directions(place));
+            let size = |axis: usize| block.size_mm[axes.iter().position(|of| *of as usize == axis).unwrap()];
+            let above = |q: f64| q - radius - (place.at_mm[up] - radius - size(up));
+            if touch.start[up] == touch.end[up] {
+                sides += 1;
+                for q in [touch.take_up[up], touch.start[up], at[up], touch.end[up]] {
+                    assert!(above(q) > ROOM_MM + 0.5 * approach - 1e-3, "{} above the base: {touch:?}", above(q));
+                }
+                continue;
+            }
+            assert!(above(touch.take_up[up].min(touch.start[up])) > approach - 1e-3, "{touch:?}");
+            if above(at[up]) < 0.5 * size(up) {
+                bases += 1;
+                for axis in (0..3).filter(|axis| *axis != up) {
+                    let beside = |q: f64| (q - place.at_mm[axis]).abs() - 0.5 * size(axis) - radius;
+                    assert!(beside(touch.start[axis]) > ROOM_MM + 0.5 * approach, "{touch:?}");
+                    assert!(beside(touch.take_up[axis]) > beside(touch.start[axis]), "{touch:?}");
+                }
+            }
+        }
+        assert!(sides > 0 && bases > 0, "{sides} touches on sides, {bases} on bases");
+    }
 }
 
 /// A thin parallel touched from both sides along X and Y, by a tip that is known: its width shows the lost motion. The scales

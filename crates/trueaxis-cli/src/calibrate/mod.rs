@@ -69,9 +69,9 @@ TASK.toml names the machine's folder, the control, the probe, and artefacts with
 A ring determines scales and squareness of its plane, a ball the tip's radius. A square needs its angle or a second \
 place turned over (reversed = true). A ball at several rotary_deg determines centre lines and tilts of rotary axes.
 
-A gauge block (length_mm) is an edge touched from both sides. Parallels that nobody has measured (unknown_length, \
-same_as) carry its length to the other axes. A block (size_mm) has three lengths, and shows squareness at two places, \
-at one turned over.
+A gauge block (length_mm) gives the scale along its length; a thin one, touched from both sides, gives lost motion. \
+Parallels that nobody has measured (unknown_length, same_as) carry its length to the other axes. A block (size_mm) has \
+three lengths; a second place, turned over, shows squareness: mark the corner that the program names.
 
 Readings of a dial indicator, in place of touches:
 
@@ -87,7 +87,8 @@ Readings of a dial indicator, in place of touches:
   arms_mm = [200.0, 200.0]
 
 `plan` then writes a sheet with a row for every reading, and `solve` takes it filled in. Faces, squares and bars are \
-read a second time turned by 180 degrees, in which their own errors cancel.
+read a second time turned by 180 degrees, in which their own errors cancel; a face is turned over about its length: \
+each end stays where it is.
 All keys: docs/calibration.md";
 
 #[derive(Subcommand)]

@@ -1,7 +1,7 @@
 //! Artefacts of known size, and where they are set up.
 
 use super::block::Block;
-use super::dial::Dial;
+use super::dial::{Dial, DialKind};
 use super::place::Place;
 use super::ranges::{needed, number, whole};
 use trueaxis::machine::Axis;
@@ -81,7 +81,7 @@ impl Artefact {
         }
     }
 
-    pub(super) fn dial(&self) -> Option<&Dial> {
+    pub(crate) fn dial(&self) -> Option<&Dial> {
         match &self.kind {
             Kind::Dial(dial) => Some(dial),
             _ => None,
@@ -167,7 +167,13 @@ pub(super) fn read_artefact(section: Section<'_>, before: &[Artefact]) -> Result
 pub(super) fn read_dial(section: Section<'_>) -> Result<Artefact, FileError> {
     let line = section.first_line();
     let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
-    let kind = Kind::Dial(Dial::read(&section)?);
+    let dial = Dial::read(&section)?;
+    if !matches!(dial.kind, DialKind::Straightness { .. })
+        && let Some(found) = section.number("tolerance_um")?
+    {
+        return Err(section.wrong(&found, "none: it is the largest form of a face, kind = \"straightness\""));
+    }
+    let kind = Kind::Dial(dial);
     let tolerance_mm = 1e-3 * number(&section, "tolerance_um", [1.0, 1e5], " um")?.unwrap_or(150.0);
     section.finish(None)?;
     Ok(Artefact { name, kind, uncertainty: None, length_uncertainty: None, tolerance_mm, places: Vec::new(), line })

@@ -64,9 +64,15 @@ impl Block {
             let um = number(section, "difference_um", [0.001, 1e4], " um")?;
             let needed = "the standard uncertainty of the difference, um";
             block.like = Some((of, 1e-3 * um.ok_or_else(|| section.missing_here("difference_um", needed))?));
-        } else if !section.boolean("unknown_length")?.unwrap_or(false) && section.number("uncertainty_um")?.is_none() {
-            let needed = "the standard uncertainty of its lengths, um, or unknown_length = true";
-            return Err(section.missing_here("uncertainty_um", needed));
+        } else {
+            match (section.boolean("unknown_length")?.unwrap_or(false), section.number("uncertainty_um")?) {
+                (true, Some(um)) => return Err(section.wrong(&um, "either unknown_length or uncertainty_um")),
+                (false, None) => {
+                    let needed = "the standard uncertainty of its lengths, um, or unknown_length = true";
+                    return Err(section.missing_here("uncertainty_um", needed));
+                }
+                _ => {}
+            }
         }
         Ok(block)
     }

@@ -132,7 +132,11 @@ impl Dial {
         let on = format!("dial on the {sign}{} side", letter(reading.reads));
         match self.kind {
             DialKind::Straightness { moves, .. } => {
-                let over = if reading.placement > 0 { ", turned over: the same face looks the other way" } else { "" };
+                let over = if reading.placement > 0 {
+                    ", turned over about its length: each end stays where it is, the same face looks the other way"
+                } else {
+                    ""
+                };
                 format!("{name}: along {}, {on}{over}", letter(moves))
             }
             DialKind::Squareness { arms, .. } => {
@@ -197,6 +201,16 @@ impl Dial {
                 free("run-out in X", 0.0),
                 free("run-out in Y", 0.0),
             ],
+        }
+    }
+
+    /// Which of the unknowns of a placement are angles, rad.
+    pub(super) fn place_angles(&self) -> std::ops::Range<usize> {
+        match self.kind {
+            DialKind::Straightness { .. } => 1..2,
+            DialKind::Squareness { .. } => 2..3,
+            DialKind::Tram { .. } => 1..3,
+            DialKind::Bar { .. } => 4..6,
         }
     }
 

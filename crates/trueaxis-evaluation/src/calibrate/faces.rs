@@ -14,14 +14,16 @@ use super::artefact::Artefact;
 use super::block::{ANGLES, Block, directions};
 use super::place::Place;
 use super::target::{CLEAR_ABOVE, Target, clear_mm};
-use super::task::Task;
+use super::task::{Probe, Task};
 use trueaxis::machine::Axis;
 use trueaxis_metrology::calibration::{Part, Surface};
 
 /// Columns and rows of touches lie at these shares of a face.
 const SHARES: [f64; 2] = [0.2, 0.8];
-/// Room below the tip, and beside it, mm.
+/// Room between the tip and the base, mm, with the block as far off its place as a task may be.
 const ROOM_MM: f64 = 1.0;
+/// Accepted distance of an artefact from its stated place, over the approach.
+const OFF_PLACE: f64 = 0.5;
 /// Distance from a block's corner at which its base is touched, mm.
 const BESIDE_MM: f64 = 5.0;
 
@@ -60,13 +62,31 @@ fn face(place: &Place, feature: usize) -> Face {
     Face { pair, axis, side: if upper { 1.0 } else { -1.0 }, kind }
 }
 
-/// Depths of the two rows of touches on the sides below the top, mm; `None` if the tip finds no room above the base.
-pub(super) fn depths(block: &Block, place: &Place, tip_radius_mm: f64) -> Option<[f64; 2]> {
+/// Way from the base, or from the top, that a block off its place needs, mm.
+pub(super) fn off_place(probe: &Probe) -> f64 {
+    OFF_PLACE * probe.approach_mm
+}
+
+/// Height of a block at a place, mm.
+fn height(block: &Block, place: &Place) -> f64 {
     let [axes, _] = directions(place);
-    let up = axes.iter().position(|axis| *axis as usize == place.normal.index() % 3)?;
-    let high = block.size_mm[up];
-    let deep = (SHARES[1] * high).min(high - tip_radius_mm - ROOM_MM);
-    (deep >= 2.0 * SHARES[0] * high).then_some([SHARES[0] * high, deep])
+    let up = axes.iter().position(|axis| *axis as usize == place.normal.index() % 3);
+    up.map_or(0.0, |up| block.size_mm[up])
+}
+
+/// Depths of the two rows of touches on the sides below the top, mm; `None` if the tip finds no room above the base.
+pub(super) fn depths(block: &Block, place: &Place, probe: &Probe) -> Option<[f64; 2]> {
+    let (high, off) = (height(block, place), off_place(probe));
+    let shallow = (SHARES[0] * high).max(off);
+    let deep = (SHARES[1] * high).min(high - probe.tip_radius_mm - ROOM_MM - off);
+    (deep - shallow >= SHARES[0] * high).then_some([shallow, deep])
+}
+
+/// Length of the stylus below the body of the probe that a place needs, mm: the body stays above the block.
+fn stylus_mm(block: &Block, place: &Place, probe: &Probe) -> f64 {
+    let [_, deep] = depths(block, place, probe).unwrap_or_default();
+    let reach = if place.base { height(block, place) } else { deep + probe.tip_radius_mm };
+    (reach + ROOM_MM + off_place(probe)).ceil()
 }
 
 /// The touches of a block at a place.
@@ -76,7 +96,7 @@ pub(super) fn targets(task: &Task, block: &Block, place: &Place, radius: f64) ->
     // Extent along each axis of the machine.
     let mut size = [0.0; 3];
     (0..3).for_each(|pair| size[axes[pair] as usize] = block.size_mm[pair]);
-    let depths = depths(block, place, task.probe.tip_radius_mm).unwrap_or_default();
+    let depths = depths(block, place, &task.probe).unwrap_or_default();
     let mut targets = Vec::new();
     for pair in 0..block.measured {
         for upper in [false, true] {
@@ -87,12 +107,15 @@ pub(super) fn targets(task: &Task, block: &Block, place: &Place, radius: f64) ->
             let level: Vec<usize> = (0..3).filter(|axis| *axis != up && *axis != of.axis).collect();
             for [i, j] in [[0, 0], [1, 0], [1, 1], [0, 1]] {
                 let mut point = place.at_mm;
+                let mut from_above = [false; 3];
                 for (axis, share) in level.iter().zip([SHARES[i], SHARES[j]]) {
                     let end = if share < 0.5 { -1.0 } else { 1.0 };
                     point[*axis] += match of.kind {
                         FaceKind::Base => end * (0.5 * size[*axis] + radius + BESIDE_MM),
                         _ => (share - 0.5) * size[*axis],
                     };
+                    // Beside the base the tip comes from outside: it takes up the play away from the block.
+                    from_above[*axis] = of.kind == FaceKind::Base && end > 0.0;
                 }
                 let mut approach = [0.0; 3];
                 match of.kind {
@@ -100,6 +123,8 @@ pub(super) fn targets(task: &Task, block: &Block, place: &Place, radius: f64) ->
                         point[of.axis] += of.side * (0.5 * size[of.axis] + radius);
                         point[up] -= radius + depths[j];
                         approach[of.axis] = -of.side;
+                        // Not from below, where the base is near.
+                        from_above[up] = true;
                     }
                     FaceKind::Top => approach[up] = -1.0,
                     FaceKind::Base => {
@@ -107,7 +132,7 @@ pub(super) fn targets(task: &Task, block: &Block, place: &Place, radius: f64) ->
                         approach[up] = -1.0;
                     }
                 }
-                targets.push(target(task, feature(pair, upper), point, approach, place));
+                targets.push(Target { from_above, ..target(task, feature(pair, upper), point, approach, place) });
             }
         }
     }
@@ -199,11 +224,23 @@ pub(super) fn surface(
 }
 
 /// Words of the operator's message.
-pub(super) fn set_up_text(artefact: &Artefact, block: &Block, place: &Place) -> String {
+pub(super) fn set_up_text(artefact: &Artefact, block: &Block, place: &Place, probe: &Probe) -> String {
     let name = if block.measured == 1 { "gauge block" } else { "block" };
     let letters = [place.along, place.across].map(Axis::letter);
     let over = if place.reversed { ", turned over about its second length" } else { "" };
     let base = if place.base { ", free room around it on its base" } else { "" };
-    let second = if block.measured == 1 { String::new() } else { format!(", second along {}", letters[1]) };
-    format!("{name} {}, length along {}{second}{over}{base}", artefact.name, letters[0])
+    let second = if block.measured == 1 {
+        String::new()
+    } else {
+        // All lengths start at one corner: it tells the block from itself turned over.
+        let [axes, senses] = directions(place);
+        let corner = (0..3_i8).map(|axis| {
+            let sense = axes.iter().zip(senses).find(|(of, _)| **of == axis).map_or(1, |(_, sense)| sense);
+            format!(" {}{}", if sense > 0 { '-' } else { '+' }, ['X', 'Y', 'Z'][axis as usize])
+        });
+        format!(", second along {}, its marked corner at{}", letters[1], corner.collect::<String>())
+    };
+    let stylus = stylus_mm(block, place, probe);
+    let what = format!("{name} {}, length along {}{second}{over}{base}", artefact.name, letters[0]);
+    format!("{what}, needs a stylus of {stylus} mm")
 }

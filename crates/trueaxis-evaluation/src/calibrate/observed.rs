@@ -2,10 +2,12 @@
 
 use super::artefact::{Artefact, Kind};
 use super::block::{ANGLES, Block};
-use super::dial::{Dial, DialKind, Named, Reading};
+use super::dial::{Dial, DialKind, Named};
 use super::faces::{self, Sizes};
 use super::kinematics::Ideal;
+use super::place::Place;
 use super::plan::{Plan, Planned};
+use super::sheet::reading;
 use super::task::Task;
 use super::terms::{Pose, Terms, perfect};
 use super::touches::{across, row, square_directions};
@@ -27,7 +29,7 @@ pub struct Observed {
     pub terms: Terms,
     /// Indices of every artefact's sizes: diameter, lengths, and angles as deviations from 90°, rad; empty for a step gauge.
     pub sizes: Vec<Vec<usize>>,
-    /// Which of the sizes are angles.
+    /// Unknowns of artefacts that are angles, rad: among the sizes, and beside them slopes, turns and tapers of dials.
     pub angles: Vec<usize>,
     /// First of the tilts of the spindle about X and about Y, if dials show them.
     pub spindle: Option<usize>,
@@ -212,107 +214,85 @@ impl Artefacts {
             all.spindle = Some(names.put_all(tilt, [0.0; 2], None));
         }
         for artefact in &task.artefacts {
-            let (name, uncertainty) = (&artefact.name, artefact.uncertainty);
-            let mut own = 0..0;
-            let mut block = Sizes::default();
-            let sizes = match &artefact.kind {
-                Kind::Ring { diameter_mm, .. } | Kind::Ball { diameter_mm } => {
-                    vec![names.put(format!("diameter of {name}"), *diameter_mm, uncertainty)]
-                }
-                Kind::Plate { diameter_mm, balls_mm } => {
-                    let size = names.put(format!("diameter of the balls of {name}"), *diameter_mm, uncertainty);
-                    own = names.names.len()..names.names.len() + 3 * balls_mm.len();
-                    for ball in 1..=balls_mm.len() {
-                        let of = |axis: u8| format!("place {axis} of ball {ball} of {name}");
-                        names.put_all([1, 2, 3].map(of), [0.0; 3], uncertainty);
-                    }
-                    vec![size]
-                }
-                Kind::Gauge { steps_mm } => {
-                    own = names.names.len()..names.names.len() + steps_mm.len();
-                    for face in 1..=steps_mm.len() {
-                        names.put(format!("face {face} of {name}"), 0.0, uncertainty);
-                    }
-                    vec![]
-                }
-                Kind::Square { angle_deg, .. } => {
-                    let away = (angle_deg - 90.0).to_radians();
-                    let angle = names.put(format!("angle of {name}"), away, uncertainty);
-                    all.angles.push(angle);
-                    vec![angle]
-                }
-                Kind::Block(of) => {
-                    block = block_sizes(of, artefact, &all.blocks, names);
-                    all.angles.extend(&block.angles);
-                    block.lengths.iter().chain(&block.angles).copied().collect()
-                }
-                Kind::Dial(dial) => {
-                    let start = names.names.len();
-                    names.put_each(dial.own_unknowns(name), |what| what);
-                    if let DialKind::Squareness { .. } = dial.kind {
-                        all.angles.push(start);
-                        vec![start]
-                    } else {
-                        own = start..names.names.len();
-                        vec![]
-                    }
-                }
-            };
-            all.sizes.push(sizes);
-            all.blocks.push(block);
-            all.own.push(own);
-            let what = if matches!(artefact.kind, Kind::Block(_)) { "elongation" } else { "length" };
-            let longer = |uncertainty| names.put(format!("{what} of {name}"), 0.0, Some(uncertainty));
-            all.lengths.push(artefact.length_uncertainty.map(longer));
+            all.put_sizes(artefact, names);
             let mut places = Vec::new();
-            for placement in 0..artefact.dial().map_or(0, |dial| dial.placements) {
-                places.push(names.names.len());
-                let of = artefact.dial().map_or_else(Vec::new, |dial| dial.place_unknowns(placement));
-                names.put_each(of, |what| format!("{what} of {name}, placement {}", placement + 1));
+            if let Some(dial) = artefact.dial() {
+                for placement in 0..dial.placements {
+                    let first = names.names.len();
+                    places.push(first);
+                    all.angles.extend(dial.place_angles().map(|angle| first + angle));
+                    let at = |what| format!("{what} of {}, placement {}", artefact.name, placement + 1);
+                    names.put_each(dial.place_unknowns(placement), at);
+                }
             }
-            for (index, place) in artefact.places.iter().enumerate() {
-                let at = |what: &str| format!("{what} of {name}, place {}", index + 1);
-                let [x, y, z] = place.at_mm;
-                let tip = ideal.tip(&[x, y, z, 0.0, 0.0, 0.0]);
-                let along = |direction: [f64; 3]| (0..3).map(|k| direction[k] * tip[k]).sum::<f64>();
-                places.push(match &artefact.kind {
-                    Kind::Ring { .. } => {
-                        let centre = across(place.normal).map(along);
-                        names.put_all(["first centre", "second centre"].map(at), centre, None)
-                    }
-                    Kind::Ball { .. } => names.put_all(["centre X", "centre Y", "centre Z"].map(at), tip, None),
-                    Kind::Plate { .. } => {
-                        let first = names.put_all(["origin X", "origin Y", "origin Z"].map(at), tip, None);
-                        names.put_all(["turn about X", "turn about Y", "turn about Z"].map(at), [0.0; 3], None);
-                        first
-                    }
-                    Kind::Gauge { .. } => {
-                        let direction = row(place.along);
-                        names.put(at("origin"), along(direction) + task.probe.tip_radius_mm, None)
-                    }
-                    Kind::Square { .. } => {
-                        let [u, v, _] = square_directions(place);
-                        names.put_all(["first face", "second face", "turn"].map(at), [along(v), along(u), 0.0], None)
-                    }
-                    Kind::Block(block) => {
-                        let radius = task.probe.tip_radius_mm;
-                        let first = names.names.len();
-                        for (what, start) in faces::place_unknowns(block, place, tip, radius) {
-                            names.put(at(&what), start, None);
-                        }
-                        first
-                    }
-                    Kind::Dial(_) => continue,
-                });
-            }
+            let of_place = |(index, place)| put_place(task, ideal, artefact, (index, place), names);
+            places.extend(artefact.places.iter().enumerate().filter_map(of_place));
             all.places.push(places);
         }
         all
     }
 
+    /// Puts the unknowns of an artefact itself.
+    fn put_sizes(&mut self, artefact: &Artefact, names: &mut Names) {
+        let (name, uncertainty) = (&artefact.name, artefact.uncertainty);
+        let mut own = 0..0;
+        let mut block = Sizes::default();
+        let sizes = match &artefact.kind {
+            Kind::Ring { diameter_mm, .. } | Kind::Ball { diameter_mm } => {
+                vec![names.put(format!("diameter of {name}"), *diameter_mm, uncertainty)]
+            }
+            Kind::Plate { diameter_mm, balls_mm } => {
+                let size = names.put(format!("diameter of the balls of {name}"), *diameter_mm, uncertainty);
+                own = names.names.len()..names.names.len() + 3 * balls_mm.len();
+                for ball in 1..=balls_mm.len() {
+                    let of = |axis: u8| format!("place {axis} of ball {ball} of {name}");
+                    names.put_all([1, 2, 3].map(of), [0.0; 3], uncertainty);
+                }
+                vec![size]
+            }
+            Kind::Gauge { steps_mm } => {
+                own = names.names.len()..names.names.len() + steps_mm.len();
+                for face in 1..=steps_mm.len() {
+                    names.put(format!("face {face} of {name}"), 0.0, uncertainty);
+                }
+                vec![]
+            }
+            Kind::Square { angle_deg, .. } => {
+                let away = (angle_deg - 90.0).to_radians();
+                let angle = names.put(format!("angle of {name}"), away, uncertainty);
+                self.angles.push(angle);
+                vec![angle]
+            }
+            Kind::Block(of) => {
+                block = block_sizes(of, artefact, &self.blocks, names);
+                self.angles.extend(&block.angles);
+                block.lengths.iter().chain(&block.angles).copied().collect()
+            }
+            Kind::Dial(dial) => {
+                let start = names.names.len();
+                names.put_each(dial.own_unknowns(name), |what| what);
+                if !matches!(dial.kind, DialKind::Straightness { .. }) {
+                    self.angles.extend(start..names.names.len());
+                }
+                if let DialKind::Squareness { .. } = dial.kind {
+                    vec![start]
+                } else {
+                    own = start..names.names.len();
+                    vec![]
+                }
+            }
+        };
+        self.sizes.push(sizes);
+        self.blocks.push(block);
+        self.own.push(own);
+        let what = if matches!(artefact.kind, Kind::Block(_)) { "elongation" } else { "length" };
+        let longer = |uncertainty| names.put(format!("{what} of {name}"), 0.0, Some(uncertainty));
+        self.lengths.push(artefact.length_uncertainty.map(longer));
+    }
+
     fn surface(&self, task: &Task, touch: &Planned) -> Surface {
         let Planned { artefact, place, feature, .. } = *touch;
-        if let Some((dial, reading)) = dial_of(task, touch) {
+        if let Some((dial, reading)) = reading(task, touch) {
             let own = self.sizes[artefact].first().copied().unwrap_or(self.own[artefact].start);
             let spindle = self.spindle.unwrap_or_default();
             return dial.surface(reading, own, (self.places[artefact][place], spindle));
@@ -363,15 +343,52 @@ impl Artefacts {
     }
 }
 
-/// The reading of a touch, if it is one.
-fn dial_of<'t>(task: &'t Task, touch: &Planned) -> Option<(&'t Dial, &'t Reading)> {
-    let dial = task.artefacts.get(touch.artefact)?.dial()?;
-    Some((dial, dial.readings.get(touch.feature)?))
+/// Puts the unknowns of a place of an artefact; the first of them.
+fn put_place(
+    task: &Task,
+    ideal: &Ideal,
+    artefact: &Artefact,
+    (index, place): (usize, &Place),
+    names: &mut Names,
+) -> Option<usize> {
+    let at = |what: &str| format!("{what} of {}, place {}", artefact.name, index + 1);
+    let [x, y, z] = place.at_mm;
+    let tip = ideal.tip(&[x, y, z, 0.0, 0.0, 0.0]);
+    let along = |direction: [f64; 3]| (0..3).map(|k| direction[k] * tip[k]).sum::<f64>();
+    Some(match &artefact.kind {
+        Kind::Ring { .. } => {
+            let centre = across(place.normal).map(along);
+            names.put_all(["first centre", "second centre"].map(at), centre, None)
+        }
+        Kind::Ball { .. } => names.put_all(["centre X", "centre Y", "centre Z"].map(at), tip, None),
+        Kind::Plate { .. } => {
+            let first = names.put_all(["origin X", "origin Y", "origin Z"].map(at), tip, None);
+            names.put_all(["turn about X", "turn about Y", "turn about Z"].map(at), [0.0; 3], None);
+            first
+        }
+        Kind::Gauge { .. } => {
+            let direction = row(place.along);
+            names.put(at("origin"), along(direction) + task.probe.tip_radius_mm, None)
+        }
+        Kind::Square { .. } => {
+            let [u, v, _] = square_directions(place);
+            names.put_all(["first face", "second face", "turn"].map(at), [along(v), along(u), 0.0], None)
+        }
+        Kind::Block(block) => {
+            let radius = task.probe.tip_radius_mm;
+            let first = names.names.len();
+            for (what, start) in faces::place_unknowns(block, place, tip, radius) {
+                names.put(at(&what), start, None);
+            }
+            first
+        }
+        Kind::Dial(_) => return None,
+    })
 }
 
 /// Contact of a dial relative to the tool.
 fn contact(task: &Task, touch: &Planned) -> [f64; 3] {
-    dial_of(task, touch).map_or([0.0; 3], |(dial, reading)| dial.contact(reading))
+    reading(task, touch).map_or([0.0; 3], |(dial, reading)| dial.contact(reading))
 }
 
 /// Puts the lengths and angles of a block; a block that is the same as another one has the other's lengths.

@@ -37,7 +37,7 @@ impl Plan {
         let mut set_up = 0;
         for (index, artefact) in task.artefacts.iter().enumerate() {
             for (place, at) in artefact.places.iter().enumerate() {
-                let text = set_up_text(artefact, at, place);
+                let text = set_up_text(task, artefact, at, place);
                 way.plan.steps.push(Step::Pause(text));
                 way.set_up(index, place, set_up)?;
                 set_up += 1;
@@ -76,7 +76,7 @@ fn of_readings(task: &Task, machine: &Machine) -> Result<Plan> {
         }
     }
     check_travel(task, machine, &plan)?;
-    let readings = (0..plan.touches.len()).filter_map(|touch| sheet::reading(task, &plan, touch));
+    let readings = plan.touches.iter().filter_map(|touch| sheet::reading(task, touch));
     let more: Vec<f64> = readings
         .flat_map(|(dial, reading)| {
             let [x, y, _] = dial.contact(reading);
@@ -95,7 +95,7 @@ fn safe_z(task: &Task, machine: &Machine) -> Result<f64> {
     Ok(task.probe.safe_z_mm.unwrap_or(z.travel[1]))
 }
 
-fn set_up_text(artefact: &Artefact, place: &Place, index: usize) -> String {
+fn set_up_text(task: &Task, artefact: &Artefact, place: &Place, index: usize) -> String {
     let [x, y, z] = place.at_mm;
     let normal = place.normal.letter();
     let how = match artefact.kind {
@@ -107,7 +107,7 @@ fn set_up_text(artefact: &Artefact, place: &Place, index: usize) -> String {
             let over = if place.reversed { ", turned over" } else { "" };
             format!("square {}, first arm along {}{over}", artefact.name, place.along.letter())
         }
-        Kind::Block(ref block) => faces::set_up_text(artefact, block, place),
+        Kind::Block(ref block) => faces::set_up_text(artefact, block, place, &task.probe),
         Kind::Dial(_) => artefact.name.clone(),
     };
     format!("set up {how}, place {}: X{x} Y{y} Z{z}", index + 1)

@@ -18,12 +18,15 @@ fn at_line(task: &Task, line: u32, key: &str, found: String, needed: String) -> 
 pub(super) fn check_steps(task: &Task) -> Result<()> {
     for artefact in &task.artefacts {
         if let Kind::Block(of) = &artefact.kind
-            && let Some(place) =
-                artefact.places.iter().find(|place| faces::depths(of, place, task.probe.tip_radius_mm).is_none())
+            && let Some(place) = artefact.places.iter().find(|place| faces::depths(of, place, &task.probe).is_none())
         {
             let found = format!("{} too low beside a tip of {} mm radius", artefact.name, task.probe.tip_radius_mm);
-            let needed = "a smaller tip, or the block on its longer side: two rows of touches above its base";
-            return Err(at_line(task, place.line, "artefact.place.normal", found, needed.into()));
+            let needed = format!(
+                "a smaller tip or approach_mm, or the block on its longer side: two rows of touches above its base, which \
+                 may be {} mm (half of approach_mm) off its place",
+                faces::off_place(&task.probe)
+            );
+            return Err(at_line(task, place.line, "artefact.place.normal", found, needed));
         }
         let Kind::Gauge { steps_mm } = &artefact.kind else { continue };
         let room = 2.0 * task.probe.tip_radius_mm + task.probe.approach_mm;

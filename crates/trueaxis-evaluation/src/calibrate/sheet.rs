@@ -1,9 +1,8 @@
 //! The sheet of a dial indicator: a CSV with a row for every reading, into which the operator types it.
 
-use super::artefact::Kind;
 use super::dial::{Dial, Reading};
 use super::log::{Logged, identity_of};
-use super::plan::Plan;
+use super::plan::{Plan, Planned};
 use super::reach::beyond;
 use super::task::Task;
 use crate::rows::{Column, Rows};
@@ -14,6 +13,7 @@ use std::path::Path;
 use trueaxis::machine::Axis;
 use trueaxis_tables::Machine;
 use trueaxis_tables::error::FileError;
+use trueaxis_tables::text::one_line;
 
 const COLUMNS: [Column; 7] = [
     Column { name: "id", needed: true },
@@ -27,16 +27,15 @@ const COLUMNS: [Column; 7] = [
 
 /// Largest distance of a stated position from the planned one, mm or degrees; the axis that the dial reads may be anywhere.
 const OFF: f64 = 0.5;
+/// Longest remark, characters.
+const LONGEST: usize = 300;
 /// Largest reading, mm: the travel of a dial.
 const TRAVEL_MM: f64 = 30.0;
 
 /// The reading of a planned touch.
-pub(crate) fn reading<'t>(task: &'t Task, plan: &Plan, touch: usize) -> Option<(&'t Dial, &'t Reading)> {
-    let planned = plan.touches.get(touch)?;
-    match &task.artefacts.get(planned.artefact)?.kind {
-        Kind::Dial(dial) => Some((dial, dial.readings.get(planned.feature)?)),
-        _ => None,
-    }
+pub(crate) fn reading<'t>(task: &'t Task, touch: &Planned) -> Option<(&'t Dial, &'t Reading)> {
+    let dial = task.artefacts.get(touch.artefact)?.dial()?;
+    Some((dial, dial.readings.get(touch.feature)?))
 }
 
 /// The sheet of a plan, with readings in µm where they are given.
@@ -46,11 +45,12 @@ pub(crate) fn sheet(task: &Task, plan: &Plan, readings_um: Option<&[f64]>) -> St
         "# A reading increases as the plunger is pushed in. Every position is reached in positive travel. The axis that the\n\
          # dial reads stays where the dial touches for all readings of a line: type its position if it is another one.\n",
     );
-    let all = || (0..plan.touches.len()).filter_map(|touch| reading(task, plan, touch).map(|of| (touch, of)));
+    let all =
+        || plan.touches.iter().enumerate().filter_map(|(index, touch)| reading(task, touch).map(|of| (index, of)));
     let mut last = String::new();
     for (touch, (dial, reading)) in all() {
         let name = &task.artefacts[plan.touches[touch].artefact].name;
-        let what = dial.text(name, reading);
+        let what = one_line(&dial.text(name, reading), LONGEST);
         if what != last {
             let _ = writeln!(text, "# from {} on: {what}", touch + 1);
         }
@@ -83,6 +83,7 @@ pub(super) fn read_sheet(
             return Err(FileError { file: file.into(), line: Some(line), column: None, found, needed }.into());
         }
     }
+    let head = (1..).zip(text.lines()).find(|(_, line)| !line.starts_with('#')).map_or(1, |(line, _)| line);
     let mut rows = Rows::new(text.as_bytes(), file, &COLUMNS, note)?.with_gaps();
     let unit_mm = match [rows.present[5], rows.present[6]] {
         [true, false] => 1e-3,
@@ -91,7 +92,7 @@ pub(super) fn read_sheet(
             let found = rows.header.join(", ");
             let needed = "one of the columns reading_um and reading_mm".to_owned();
             let found = format!("columns {found}");
-            return Err(FileError { file: file.into(), line: None, column: None, found, needed }.into());
+            return Err(FileError { file: file.into(), line: Some(head), column: None, found, needed }.into());
         }
     };
     let count = plan.touches.len();
@@ -99,13 +100,24 @@ pub(super) fn read_sheet(
     while let Some(row) = rows.next()? {
         let [id, x, y, z, spindle_deg, um, mm] = row.values;
         let touch = if id.fract() == 0.0 && id >= 1.0 { id as usize - 1 } else { usize::MAX };
-        let Some((dial, reading)) = reading(task, plan, touch) else {
+        let Some((dial, reading)) = plan.touches.get(touch).and_then(|touch| reading(task, touch)) else {
             return Err(rows.error(row.line, "id", id, format!("1 to {count}, as {} plans", task.file.display())));
         };
         let planned = [reading.at_mm[0], reading.at_mm[1], reading.at_mm[2], reading.spindle_deg];
         for (slot, (stated, planned)) in [x, y, z, spindle_deg].into_iter().zip(planned).enumerate() {
             if rows.present[slot + 1] && slot != reading.reads && (stated - planned).abs() > OFF {
                 return Err(rows.error(row.line, COLUMNS[slot + 1].name, stated, format!("{planned}, as planned")));
+            }
+        }
+        let mut position = super::dial::pose(reading);
+        for (slot, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
+            let stated = [x, y, z][slot];
+            if rows.present[slot + 1] && !stated.is_nan() {
+                position[slot] = stated;
+                let own = machine.settings.axis(axis);
+                if let Some((found, needed)) = own.and_then(|own| beyond(own, stated)) {
+                    return Err(rows.error(row.line, COLUMNS[slot + 1].name, found, needed));
+                }
             }
         }
         let (column, value) = if rows.present[5] { (COLUMNS[5].name, um) } else { (COLUMNS[6].name, mm) };
@@ -116,15 +128,6 @@ pub(super) fn read_sheet(
         if value.abs() > TRAVEL_MM {
             return Err(rows.error(row.line, column, format!("{value} mm"), format!("at most {TRAVEL_MM} mm")));
         }
-        let mut position = super::dial::pose(reading);
-        let stated = [x, y, z][reading.reads];
-        if rows.present[reading.reads + 1] && !stated.is_nan() {
-            position[reading.reads] = stated;
-            let own = machine.settings.axis([Axis::X, Axis::Y, Axis::Z][reading.reads]);
-            if let Some((found, needed)) = own.and_then(|own| beyond(own, stated)) {
-                return Err(rows.error(row.line, COLUMNS[reading.reads + 1].name, found, needed));
-            }
-        }
         let way = dial.displacement(reading);
         (0..3).for_each(|k| position[k] += value * way[k]);
         let logged = Logged { line: row.line, position, rotary: [true; 3] };
@@ -133,15 +136,15 @@ pub(super) fn read_sheet(
             return Err(rows.error(row.line, "id", found, "every reading once"));
         }
     }
-    let mut before = None;
+    let mut before = head;
     let mut all = Vec::with_capacity(count);
     for touch in 0..count {
         let Some(logged) = typed.remove(&touch) else {
             let found = format!("no reading {}", touch + 1);
             let needed = format!("all {count} readings, reading {} after this line", touch + 1);
-            return Err(FileError { file: file.into(), line: before, column: None, found, needed }.into());
+            return Err(FileError { file: file.into(), line: Some(before), column: None, found, needed }.into());
         };
-        before = Some(logged.line);
+        before = logged.line;
         all.push(logged);
     }
     Ok(all)

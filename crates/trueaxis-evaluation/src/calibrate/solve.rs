@@ -13,6 +13,7 @@ use std::path::Path;
 use trueaxis::machine::AXES;
 use trueaxis_metrology::calibration::{Network, Solution, Surface, Touch, Unknown};
 use trueaxis_tables::Machine;
+use trueaxis_tables::error::FileError;
 
 /// A touch is an outlier if its residual exceeds this many standard deviations, estimated from the median.
 const OFF_SIGMA: f64 = 8.0;
@@ -123,19 +124,25 @@ fn sizes_hold(source: &Source<'_>, observed: &Observed) -> Result<()> {
     Ok(())
 }
 
-/// Checks that plate balls, gauge faces and lengths of blocks are within the artefact's tolerance of their certificate.
+/// Checks that plate balls, gauge faces and lengths of blocks are within the artefact's tolerance of their stated sizes, and
+/// points of a face within that of a straight line.
 fn deviations_hold(source: &Source<'_>, observed: &Observed, solution: &Solution) -> Result<()> {
     let away = |index: usize| solution.values[index] - observed.network.unknowns[index].start;
     for (of, artefact) in source.task.artefacts.iter().enumerate() {
-        let off = |index: &usize| away(*index).abs() > artefact.tolerance_mm;
+        let off = |index: &usize| !observed.angles.contains(index) && away(*index).abs() > artefact.tolerance_mm;
         let lengths = match &artefact.kind {
             Kind::Block(block) => &observed.sizes[of][..block.measured],
             _ => &[],
         };
         if let Some(index) = observed.deviations[of].clone().chain(lengths.iter().copied()).find(off) {
-            let found = format!("{} {:.1} µm from its certificate", observed.names[index], 1e3 * away(index));
-            let needed = format!("at most {} µm: the right artefact, and its own sizes", 1e3 * artefact.tolerance_mm);
-            return Err(source.error(None, found, needed));
+            let from = if artefact.dial().is_some() { "a straight line" } else { "the size that the task states" };
+            let found = format!("{} {:.1} µm from {from}", observed.names[index], 1e3 * away(index));
+            let needed = format!(
+                "at most {} µm (tolerance_um): the right artefact, and its own sizes",
+                1e3 * artefact.tolerance_mm
+            );
+            let file = source.task.file.clone();
+            return Err(FileError { file, line: Some(artefact.line), column: None, found, needed }.into());
         }
     }
     Ok(())

@@ -38,8 +38,12 @@ impl Source<'_> {
                     count => format!(", and {} more combinations", count - 1),
                 };
                 let found = format!("a set-up that cannot {one}{more}");
-                let needed = "artefacts or places that do (a known size along each of them, a ball for the tip's radius, a \
-                              reversal), or fewer unknowns in [solve]";
+                let needed = if self.task.is_read() {
+                    "dials that do (a reversal, the uncertainty of an artefact, more points), or fewer unknowns in [solve]"
+                } else {
+                    "artefacts or places that do (a known size along each of them, a ball for the tip's radius, a \
+                     reversal), or fewer unknowns in [solve]"
+                };
                 let file = self.task.file.clone();
                 FileError { file, line: None, column: None, found, needed: needed.into() }.into()
             }
@@ -50,6 +54,9 @@ impl Source<'_> {
             }
             CalibrationRefusal::NotFinite { touch } => {
                 self.error(self.line(touch), "a position that is not a number", "numbers")
+            }
+            CalibrationRefusal::TooFew { found, needed } => {
+                self.error(None, format!("{found} {}s", self.task.word()), format!("at least {needed}"))
             }
             refused => anyhow!("{}: {refused}", self.task.file.display()),
         }

@@ -1,6 +1,7 @@
 //! A task: machine, probe, artefacts, and the terms to determine.
 
 use super::artefact::{Artefact, Kind, read_artefact, read_dial};
+use super::dial::DialKind;
 use super::ranges::{needed, number, whole};
 use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
@@ -133,8 +134,9 @@ impl Task {
                 task.reference = Some(read_reference(section, &task.artefacts)?);
             }
             if let Some(section) = root.section("solve")? {
-                task.wanted = read_wanted(section, task.wanted)?;
+                task.wanted = read_wanted(section, task.wanted, task.is_read())?;
             }
+            few_points(&root, &task)?;
             root.finish(None)?;
             Ok(task)
         })
@@ -247,7 +249,26 @@ fn read_reference(section: Section<'_>, artefacts: &[Artefact]) -> Result<Refere
     Ok(Reference { artefact: found, every })
 }
 
-fn read_wanted(section: Section<'_>, default: Wanted) -> Result<Wanted, FileError> {
+/// Refuses a straight face with too few readings for the polynomial to be found along it.
+fn few_points(root: &Section<'_>, task: &Task) -> Result<(), FileError> {
+    for of in &task.artefacts {
+        if let Some(DialKind::Straightness { points, .. }) = of.dial().map(|dial| dial.kind)
+            && points <= task.wanted.straightness
+        {
+            let degree = task.wanted.straightness;
+            let needed = format!("at least {}, one more than straightness_degree ({degree})", degree + 1);
+            return Err(root.at(of.line, "dial.points", &points.to_string(), needed));
+        }
+    }
+    Ok(())
+}
+
+fn read_wanted(section: Section<'_>, default: Wanted, is_read: bool) -> Result<Wanted, FileError> {
+    for key in ["scale", "backlash", "rotary"] {
+        if is_read && section.boolean(key)? == Some(true) {
+            return Err(section.at(section.first_line(), key, "true", "false: no reading of a dial shows it"));
+        }
+    }
     let wanted = Wanted {
         squareness: section.boolean("squareness")?.unwrap_or(default.squareness),
         scale: section.boolean("scale")?.unwrap_or(default.scale),

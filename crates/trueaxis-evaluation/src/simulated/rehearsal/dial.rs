@@ -5,7 +5,7 @@
 
 use super::instrument::{Instrument, WALK_S};
 use super::{Conditions, Stream, truth_of};
-use crate::calibrate::{Dial, DialKind, Plan, Reading, Task, perfect, reading, sheet};
+use crate::calibrate::{Artefact, Dial, DialKind, Plan, Reading, Task, perfect, reading, sheet};
 use anyhow::Result;
 use glam::{DMat3, DQuat, DVec3};
 use trueaxis_metrology::uncertainty::Draws;
@@ -41,17 +41,13 @@ pub fn dial(task: &Task, machine: &Machine, truth: &Machine, conditions: &Condit
     let known = task.compensated.then_some(machine);
     let noise = Some(conditions.noise_um.unwrap_or(1e3 * task.probe.repeatability_mm));
     let instrument = Instrument::new(&truth, known, Conditions { noise_um: noise, ..*conditions })?;
-    let readings: Vec<(&Dial, &Reading)> =
-        (0..plan.touches.len()).filter_map(|touch| reading(task, &plan, touch)).collect();
+    let readings: Vec<(&Dial, &Reading)> = plan.touches.iter().filter_map(|touch| reading(task, touch)).collect();
     let frames = frames(&instrument, &readings)?;
     let mut draws = conditions.draws(Stream::SetUp);
     let spindle = [0; 2].map(|_| ANGLE * draws.normal());
     let tilt = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(spindle[0], spindle[1], 0.0)));
     let mut all = Vec::new();
-    for artefact in &task.artefacts {
-        let Some(dial) = readings.iter().map(|(dial, _)| *dial).find(|dial| Some(*dial) == dial_of(artefact)) else {
-            continue;
-        };
+    for dial in task.artefacts.iter().filter_map(Artefact::dial) {
         let real = Real::new(dial, &mut draws);
         let own = &frames[all.len()..all.len() + dial.readings.len()];
         all.extend(dial.readings.iter().zip(own).map(|(reading, frame)| 1e3 * (real.read(dial, reading, frame, tilt))));
@@ -60,13 +56,6 @@ pub fn dial(task: &Task, machine: &Machine, truth: &Machine, conditions: &Condit
         *um += 1e3 * frame.scatter;
     }
     Ok(FilledSheet { text: sheet(task, &plan, Some(&all)), spindle })
-}
-
-fn dial_of(artefact: &crate::calibrate::Artefact) -> Option<&Dial> {
-    match &artefact.kind {
-        crate::calibrate::Kind::Dial(dial) => Some(dial),
-        _ => None,
-    }
 }
 
 /// The carriage of the spindle at a reading: tip, and the directions of its frame, in workpiece coordinates.
