@@ -9,8 +9,8 @@ use trueaxis::Fault;
 use trueaxis::contour::{ContourError, Flags, Path};
 use trueaxis::telemetry::{Record, Status};
 
-/// Maximum number of evaluations of the path in a cycle.
-const EVALUATIONS: u8 = 4;
+/// Maximum number of evaluations of the path in a cycle, and of the window of commands.
+const EVALUATIONS: [u8; 2] = [4, 6];
 /// Distance from the path, mm, beyond which integers saturate and single precision is too coarse.
 const FAR_MM: f64 = 1000.0;
 
@@ -38,8 +38,9 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let found = || format!("{:?}, {verdict:?}: {:?}, {:?}", record.status, record.tip, record.encoder);
         let none = !record.tip.is_measured() && !record.encoder.is_measured();
         self.tally.that(Rule::ContourReported, agrees && (may || none), found)?;
-        self.consistent(&record.tip)?;
-        self.consistent(&record.encoder)?;
+        let most = EVALUATIONS[usize::from(measured == Measured::Window)];
+        self.consistent(&record.tip, most)?;
+        self.consistent(&record.encoder, most)?;
         self.orientation(seen)?;
         match measured {
             Measured::Path => self.on_path(seen, &seen.ground.path()),
@@ -48,12 +49,12 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         }
     }
 
-    fn consistent(&mut self, error: &ContourError<R>) -> Result<(), Broken> {
+    fn consistent(&mut self, error: &ContourError<R>, most: u8) -> Result<(), Broken> {
         let [x, y, z] = error.vector.into().map(R::to_f64);
         let (length, reported) = ((x * x + y * y + z * z).sqrt(), error.error.to_f64());
         let near = (length - reported).abs() <= 1e-9 + 4.0 * R::EPSILON.to_f64() * length;
         let inside = error.t >= R::ZERO && error.t <= R::ONE;
-        let bounded = error.evaluations <= EVALUATIONS && error.width >= R::ZERO && reported >= 0.0;
+        let bounded = error.evaluations <= most && error.width >= R::ZERO && reported >= 0.0;
         let empty = error.is_measured() || length == 0.0 && error.lag == R::ZERO;
         let holds = near && inside && bounded && empty;
         self.tally.that(Rule::ContourConsistent, holds, || format!("{error:?}"))
