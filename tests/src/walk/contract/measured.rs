@@ -43,7 +43,11 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         self.consistent(&record.encoder, most)?;
         self.orientation(seen)?;
         match measured {
-            Measured::Path => self.on_path(seen, &seen.ground.path()),
+            Measured::Path => {
+                self.settled(&record.tip)?;
+                self.settled(&record.encoder)?;
+                self.on_path(seen, &seen.ground.path())
+            }
             Measured::Window => self.window(seen, verdict, first),
             _ => Ok(()),
         }
@@ -57,6 +61,13 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let bounded = error.evaluations <= most && error.width >= R::ZERO && reported >= 0.0;
         let empty = error.is_measured() || length == 0.0 && error.lag == R::ZERO;
         let holds = near && inside && bounded && empty;
+        self.tally.that(Rule::ContourConsistent, holds, || format!("{error:?}"))
+    }
+
+    /// An error is measured from a foot, or the search for it continues.
+    fn settled(&mut self, error: &ContourError<R>) -> Result<(), Broken> {
+        let [bracketed, searching] = [Flags::BRACKETED, Flags::SEARCHING].map(|flag| error.flags.has(flag));
+        let holds = !error.is_measured() || bracketed != searching;
         self.tally.that(Rule::ContourConsistent, holds, || format!("{error:?}"))
     }
 
@@ -76,9 +87,6 @@ impl<R: Scalar, P: Place, const N: usize> Contract<R, P, N> {
         let error = &record.encoder;
         let Some(span) = path.span(error.span).filter(|_| error.is_measured()) else { return Ok(()) };
         // The search finds the encoder's foot from the tip's. Far away, single precision is too coarse for that.
-        let settled = |error: &ContourError<R>| error.flags.has(Flags::BRACKETED) != error.flags.has(Flags::SEARCHING);
-        let found = || format!("{:?}, {error:?}", record.tip);
-        self.tally.that(Rule::ContourConsistent, settled(&record.tip) && settled(error), found)?;
         let size = error.error.to_f64() + record.tip.error.to_f64();
         if size > FAR_MM {
             return Ok(());
