@@ -10,7 +10,7 @@ use trueaxis::contour::{ContourError, Flags, Path};
 use trueaxis::telemetry::{Record, Status};
 
 /// Maximum number of evaluations of the path in a cycle, and of the window of commands.
-const EVALUATIONS: [u8; 2] = [4, 6];
+const EVALUATIONS: [u8; 2] = [4, 8];
 /// Distance from the path, mm, beyond which integers saturate and single precision is too coarse.
 const FAR_MM: f64 = 1000.0;
 
