@@ -28,6 +28,14 @@ CONFIGURATIONS = [
 RATES = [1_000, 2_000, 4_000, 10_000, 20_000]
 # Share of the period: the host has the rest.
 SHARE = 0.5
+# What the stages of the step do.
+STAGES = {
+    "sample": "plausibility of commands and readings",
+    "compensation": "tables, inverse, estimated tip",
+    "contour": "contour error of tip and encoder position",
+    "output": "limiter and output",
+    "telemetry": "telemetry record",
+}
 # Rows of the counts table.
 SHOWN = [
     ("whole step, three axes: typical; mean; worst", "step.typical", "step.mean", "step.worst"),
@@ -44,11 +52,11 @@ SHOWN = [
         "adversarial_gauge.worst",
         "adversarial_volumetric.worst",
     ),
-    ("plausibility of commands and readings", "stage_sample.mean"),
-    ("tables, inverse, estimated tip", "stage_compensation.mean"),
-    ("contour error of tip and encoder position: mean; worst", "stage_contour.mean", "stage_contour.worst"),
-    ("limiter and output: mean; worst", "stage_output.mean", "stage_output.worst"),
-    ("telemetry record", "stage_telemetry.worst"),
+    (STAGES["sample"], "stage_sample.mean"),
+    (STAGES["compensation"], "stage_compensation.mean"),
+    (STAGES["contour"] + ": mean; worst", "stage_contour.mean", "stage_contour.worst"),
+    (STAGES["output"] + ": mean; worst", "stage_output.mean", "stage_output.worst"),
+    (STAGES["telemetry"], "stage_telemetry.worst"),
     ("nine-term look-up, equidistant linear tables", "nine_terms.worst"),
     ("volumetric errors, three axes; five", "volumetric_3.worst", "volumetric_5.worst"),
     ("kernel of the contour search, rational cubic; polynomial", "kernel_rational.worst", "kernel_polynomial.worst"),
@@ -167,16 +175,6 @@ def stack(budgets):
     return "| stack, bytes, bound | Cortex-M4F, f32 | Cortex-M7, f64 |\n|---|---|---|\n" + rows
 
 
-# Stages of the step and what they do.
-STAGES = [
-    ("plausibility of commands and readings", "sample"),
-    ("tables, inverse, estimated tip", "compensation"),
-    ("contour error of tip and encoder position", "contour"),
-    ("limiter and output", "output"),
-    ("telemetry record", "telemetry"),
-]
-
-
 def bound(budgets):
     """The stages' own maxima, their sum, and the dearest cycle found."""
     counts = counts_of(budgets)
@@ -184,7 +182,7 @@ def bound(budgets):
     row = lambda name, cells: f"| {name} |" + "".join(f" {cell} |" for cell in cells) + "\n"
     text = row("the dearest cycle of each stage by itself", [core for _, core, *_ in CORES]) + "|---" * (1 + len(cores)) + "|\n"
     sums = dict.fromkeys(cores, 0)
-    for name, stage in STAGES:
+    for stage, name in STAGES.items():
         found = {target: counts[target, f"adversarial_{stage}.worst"] for target in cores}
         text += row(name, [f"{found[target]:.0f}" for target in cores])
         sums = {target: sums[target] + found[target] for target in cores}

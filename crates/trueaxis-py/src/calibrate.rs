@@ -54,8 +54,7 @@ pub(crate) fn calibrate_plan(py: Python<'_>, task: PathBuf) -> PyResult<Bound<'_
     let mut notes = Vec::new();
     let planned = py.detach(|| {
         let read = read(&task, &mut notes)?;
-        let what = if read.task.is_read() { "readings" } else { "touches" };
-        Ok((what, Planning::new(&read.task, &read.machine)?))
+        Ok((read.task.words(), Planning::new(&read.task, &read.machine)?))
     });
     notes.iter().try_for_each(|note| warn(py, note))?;
     let (what, planned) = to_python(planned)?;

@@ -81,7 +81,7 @@ Readings of a dial indicator, in place of touches:
   [[dial]]
   name = \"cylinder\"
   kind = \"squareness\"               # straightness, tram, test bar
-  along = \"X\"                       # the table that it stands on
+  along = \"X\"                       # axis along the table under it
   across = \"Z\"
   at_mm = [150.0, 200.0, -280.0]    # of the machine at the first reading
   arms_mm = [200.0, 200.0]

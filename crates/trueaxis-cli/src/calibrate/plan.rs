@@ -21,7 +21,7 @@ pub(super) fn run(arguments: &PlanArgs) -> Result<()> {
             let minutes = counted(foreseen.minutes.ceil() as usize, "minute");
             let touches = foreseen.touches;
             let output = output.display();
-            let what = if read.task.is_read() { "readings" } else { "touches" };
+            let what = read.task.words();
             report_line(format_args!("written {output}: {touches} {what}, about {minutes} without set-ups"));
         }
     }

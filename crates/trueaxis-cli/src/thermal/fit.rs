@@ -23,8 +23,8 @@ RECORD.csv has one row a reading of the instrument, in order of time, with the c
   ex_um,ey_um,ez_um: drift of the axes that were measured
   x_mm,y_mm,z_mm: axis positions at the measuring point
   tool_mm: length from the spindle's nose to the measuring point
-After a rest of 4 h or more the machine counts as in equilibrium. One cycle is held out, or each in turn. Drift is of the tool \
-relative to the workpiece, actual − ideal; it is zero where a cycle begins, or wherever the instrument was set to \
+After a rest of 4 h or more the machine counts as in equilibrium. One cycle is held out, or each in turn. Drift is \
+of the tool relative to the workpiece, actual − ideal; it is zero where a cycle begins, or wherever the instrument was set to \
 zero before it. Two positions of an axis separate its slope from its offset, two lengths tilt from growth. Visit \
 several points one after the other, every few minutes. Vary speed, coolant and air from cycle to cycle, so that \
 their shares can be separated.
@@ -37,8 +37,8 @@ Curves are found by least squares, lags by search. A sensor is included if it ma
 better; one that adds nothing to the others is left out. The remaining error is reported for the cycles held out, by \
 the task's own code, beside what no model of these sensors predicts: how much cycles differ at the same temperatures.
 
-Refused: sensors that jump (a heated bed passes if it is as fast in other cycles or over several rows), stick or run together, records in which nothing moves, rows missing for longer than a \
-lag. Shorter gaps in an otherwise even record are reported.
+Refused: sensors that jump (a heated bed passes if it is as fast in other cycles or over several rows), stick or run \
+together, records in which nothing moves, rows missing for longer than a lag. Shorter gaps in an otherwise even record are reported.
 
 `trueaxis thermal compile` turns the thermal.toml of -o into a file for the controller.
 

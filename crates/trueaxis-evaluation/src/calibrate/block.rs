@@ -77,7 +77,7 @@ impl Block {
         Ok(block)
     }
 
-    /// Whether a place leaves anything to touch.
+    /// Whether a pair of faces can be touched at a place.
     pub(super) fn touches_any(&self, place: &Place) -> bool {
         self.measured == 3 || place.along != place.normal || place.base
     }
@@ -87,7 +87,7 @@ impl Block {
         if self.measured == 1 { format!("length of {name}") } else { format!("length {} of {name}", index + 1) }
     }
 
-    /// Whether a length is measured at a place.
+    /// Whether both faces of a length are touched at a place.
     pub(super) fn measures(&self, place: &Place, index: usize) -> bool {
         let [axes, _] = directions(place);
         index < self.measured && (axes[index] != place.normal.index() as i8 || place.base)

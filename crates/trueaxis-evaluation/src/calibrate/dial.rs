@@ -15,6 +15,7 @@
 //!
 //! Source: ISO 230-1:2012, 8.2.2 (straightness), 10.3 (squareness), 10.1.4 (parallelism); Estler, NBSIR 84-2913 (reversal).
 
+use super::place::unit;
 use super::ranges::{needed, number, whole};
 use trueaxis::machine::{AXES, Axis};
 use trueaxis_metrology::calibration::{Part, Surface};
@@ -88,10 +89,6 @@ pub struct Reading {
     pub side: f64,
 }
 
-fn unit(axis: usize) -> [f64; 3] {
-    std::array::from_fn(|k| f64::from(u8::from(k == axis)))
-}
-
 /// Positions from 0 to a length.
 fn steps(length: f64, points: usize) -> impl Iterator<Item = (usize, f64)> {
     (0..points).map(move |i| (i, length * i as f64 / (points - 1) as f64))
@@ -125,7 +122,7 @@ impl Dial {
         matches!(self.kind, DialKind::Straightness { moves: m, reads, .. } if (m, reads) == (moves, component))
     }
 
-    /// What the operator does for a line of readings.
+    /// The operator's instruction for a line of readings.
     pub fn text(&self, name: &str, reading: &Reading) -> String {
         let letter = |axis: usize| ['X', 'Y', 'Z'][axis % 3];
         let sign = if reading.side > 0.0 { '+' } else { '-' };
@@ -327,7 +324,7 @@ fn straightness(section: &Section<'_>, at: [f64; 3]) -> Result<Dial, FileError> 
 
 fn squareness(section: &Section<'_>, at: [f64; 3]) -> Result<Dial, FileError> {
     let arms = [
-        linear(section, "along", "the axis along its first arm, or along the table that a cylinder stands on")?,
+        linear(section, "along", "the axis along its first arm, or along the table under a cylinder")?,
         linear(section, "across", "the axis along its second arm")?,
     ];
     if arms[0] == arms[1] || arms[0] == 2 {
@@ -347,7 +344,7 @@ fn squareness(section: &Section<'_>, at: [f64; 3]) -> Result<Dial, FileError> {
     for placement in 0..placements {
         let over = if placement == 0 { 1.0 } else { -1.0 };
         for (line, (moves, reads)) in [(arms[0], arms[1]), (arms[1], arms[0])].into_iter().enumerate() {
-            // An upright square stands on its table, which is read from above.
+            // The table under an upright square is read from above.
             let side = if line == 1 {
                 -over
             } else if reads == 2 {

@@ -187,7 +187,7 @@ impl Calibration {
         if solution.sigma_mm > 2.0 * task.probe.repeatability_mm {
             warnings.push(format!(
                 "{} scatter by {:.2} µm, {:.2} µm is stated: form errors that the terms do not model, or a less repeatable probe",
-                if task.is_read() { "readings" } else { "touches" },
+                task.words(),
                 1e3 * solution.sigma_mm,
                 1e3 * task.probe.repeatability_mm
             ));

@@ -3,7 +3,7 @@
 //! ```text
 //! side    s (n′ · p − o) − L/2 − r        n′ = n + θ × n + Σ γ n_i:  n along an axis of the machine, s = ±1 the side
 //! top     n′ · p − o − r
-//! base    n′ · p − o + L − r              the face that the block stands on, touched from above beside it
+//! base    n′ · p − o + L − r              the surface under the block, touched from above beside it
 //! ```
 //!
 //! L is the length between two faces, o and θ are the place and the rotation of the block in its set-up, γ the deviations of
@@ -12,7 +12,7 @@
 
 use super::artefact::Artefact;
 use super::block::{ANGLES, Block, directions};
-use super::place::Place;
+use super::place::{Place, unit};
 use super::target::{CLEAR_ABOVE, Target, clear_mm};
 use super::task::{Probe, Task};
 use trueaxis::machine::Axis;
@@ -195,7 +195,6 @@ pub(super) fn surface(
     let axes = touched(block, place);
     let [all, senses] = directions(place);
     let part = |unknown, factor, along| Part { unknown, factor, along };
-    let unit = |axis: usize| std::array::from_fn(|k| f64::from(u8::from(k == axis)));
     let offset = axes.iter().position(|axis| *axis == of.axis).unwrap_or_default();
     let mut parts = vec![part(first + offset, 1.0, None)];
     // Share of the length by which the face is beyond the offset.

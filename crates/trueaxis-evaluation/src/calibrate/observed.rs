@@ -10,10 +10,10 @@ use super::plan::{Plan, Planned};
 use super::sheet::reading;
 use super::task::Task;
 use super::terms::{Pose, Terms, perfect};
-use super::touches::{across, row, square_directions};
+use super::touches::{across, row, square_directions, unit};
 use anyhow::Result;
 use std::ops::Range;
-use trueaxis::machine::{AXES, Axis};
+use trueaxis::machine::AXES;
 use trueaxis_metrology::calibration::{Network, Part, Surface, Touch, Unknown};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
@@ -194,7 +194,7 @@ fn between(knots: &[(f64, Option<usize>)], time: f64) -> Vec<(usize, f64)> {
 struct Artefacts {
     sizes: Vec<Vec<usize>>,
     angles: Vec<usize>,
-    /// Of every block; empty for another artefact.
+    /// Unknowns of each artefact that is a block; empty for the others.
     blocks: Vec<Sizes>,
     /// First of the tilts of the spindle.
     spindle: Option<usize>,
@@ -416,8 +416,4 @@ fn block_sizes(of: &Block, artefact: &Artefact, before: &[Sizes], names: &mut Na
         }
     }
     sizes
-}
-
-fn unit(axis: Axis) -> [f64; 3] {
-    std::array::from_fn(|k| f64::from(u8::from(k == axis.index() % 3)))
 }

@@ -15,12 +15,17 @@ pub struct Place {
     pub along: Axis,
     /// Block: axis of its second length.
     pub across: Axis,
-    /// Whether the square is turned over about its second arm, the block about its second length.
+    /// Square: whether it is turned over about its second arm. Block: about its second length.
     pub reversed: bool,
-    /// Block: whether the face that it stands on is touched beside it.
+    /// Block: whether the surface under it is touched, beside it.
     pub base: bool,
     /// A, B, C at which a ball is measured, degrees.
     pub rotary_deg: Vec<[f64; 3]>,
     /// Line in the task file.
     pub line: u32,
+}
+
+/// Direction of a linear axis, 0 to 2.
+pub(super) fn unit(axis: usize) -> [f64; 3] {
+    std::array::from_fn(|k| f64::from(u8::from(k == axis)))
 }

@@ -2,6 +2,7 @@
 
 use super::document::CalibrationDocument;
 use super::solve::Calibration;
+use super::task::words;
 use super::terms::Term;
 use crate::shown::{Cell, Curve, EXPANDED, Look, Plot, Quantity, Shown, Table, Uncertainty, half_width};
 use trueaxis::machine::Axis;
@@ -20,16 +21,16 @@ impl CalibrationDocument {
             .iter()
             .map(|term| Quantity::new(term.name.as_str(), term.unit, term.value, known(term.standard_error)));
         let tip = known(1e-3 * self.tip_radius_standard_error_um);
-        // Dials have none.
-        let tip =
-            (self.tip_radius_mm > 1e-6).then(|| Quantity::new("radius of the tip", "mm", self.tip_radius_mm, tip));
+        // Dials have no tip.
+        let is_read = self.tip_radius_mm <= 1e-6;
+        let tip = (!is_read).then(|| Quantity::new("radius of the tip", "mm", self.tip_radius_mm, tip));
         let sizes = self.artefacts.iter().map(|size| {
             let found = Cell::fixed(size.found, 5);
             vec![size.name.as_str().into(), Cell::shortest(size.stated), found, known(size.standard_error).cell()]
         });
         let head = ["artefact", "stated", "found", &format!("{EXPANDED}, µm or µrad")];
         let sizes = Table::new("Artefacts, mm or °", head, sizes);
-        let [one, all] = if self.tip_radius_mm > 1e-6 { ["touch", "touches"] } else { ["reading", "readings"] };
+        let [one, all] = words(is_read);
         let sigma = format!("sigma of a {one}, µm");
         let network = [
             (sigma.as_str(), Cell::number(self.sigma_um, 3)),

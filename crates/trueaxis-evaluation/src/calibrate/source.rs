@@ -56,7 +56,7 @@ impl Source<'_> {
                 self.error(self.line(touch), "a position that is not a number", "numbers")
             }
             CalibrationRefusal::TooFew { found, needed } => {
-                self.error(None, format!("{found} {}s", self.task.word()), format!("at least {needed}"))
+                self.error(None, format!("{found} {}", self.task.words()), format!("at least {needed}"))
             }
             refused => anyhow!("{}: {refused}", self.task.file.display()),
         }

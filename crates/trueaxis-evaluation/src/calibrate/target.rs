@@ -20,7 +20,7 @@ pub(super) struct Target {
     pub(super) point: [f64; 3],
     /// Direction of the probing move, of length 1.
     pub(super) approach: [f64; 3],
-    /// Whether an axis that does not probe approaches the start from above.
+    /// For each axis that does not probe: whether it moves to the start in the negative direction.
     pub(super) from_above: [bool; 3],
     /// Where the probe waits between touches.
     pub(super) home: [f64; 3],

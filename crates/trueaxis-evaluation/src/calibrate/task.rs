@@ -109,15 +109,25 @@ pub struct Task {
     pub wanted: Wanted,
 }
 
+/// The words for one observation and for several.
+pub(super) fn words(is_read: bool) -> [&'static str; 2] {
+    if is_read { ["reading", "readings"] } else { ["touch", "touches"] }
+}
+
 impl Task {
-    /// Whether the task has dials, whose readings are typed in, in place of touches.
+    /// Whether the task has readings of dials instead of touches.
     pub fn is_read(&self) -> bool {
         self.artefacts.iter().any(|artefact| artefact.dial().is_some())
     }
 
     /// The word for an observation.
     pub fn word(&self) -> &'static str {
-        if self.is_read() { "reading" } else { "touch" }
+        words(self.is_read())[0]
+    }
+
+    /// The word for several of them.
+    pub fn words(&self) -> &'static str {
+        words(self.is_read())[1]
     }
 
     /// Reads a task file; `file` is used only in errors.

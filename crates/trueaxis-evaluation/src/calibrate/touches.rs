@@ -3,7 +3,7 @@
 use super::artefact::Kind;
 use super::faces;
 use super::kinematics::Ideal;
-use super::place::Place;
+use super::place::{self, Place};
 use super::target::{CLEAR_ABOVE, Target, clear_mm};
 use super::task::Task;
 use anyhow::Result;
@@ -12,8 +12,8 @@ use trueaxis::machine::Axis;
 /// Points nearer than this to the stem of a ball are skipped, degrees from the stem.
 const STEM_DEG: f64 = 50.0;
 
-fn unit(axis: Axis) -> [f64; 3] {
-    std::array::from_fn(|k| f64::from(u8::from(k == axis.index() % 3)))
+pub(super) fn unit(axis: Axis) -> [f64; 3] {
+    place::unit(axis.index() % 3)
 }
 
 fn moved(point: [f64; 3], along: [f64; 3], by: f64) -> [f64; 3] {

@@ -33,7 +33,7 @@ pub struct ThermalDocument {
     pub predicted_um: [f64; 2],
     /// Drift and residual of the held-out cycles and of the others.
     pub cycles: Vec<CycleDocument>,
-    /// What the sensors can predict of each axis at all, beside the residual.
+    /// How much of each axis's drift any model of these sensors could predict, beside the residual.
     pub repeatability: Vec<RepeatabilityDocument>,
     /// Largest drift of the held-out cycles, µm, and largest residual.
     pub held_out_um: [f64; 2],

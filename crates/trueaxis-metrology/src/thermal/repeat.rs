@@ -37,7 +37,9 @@ pub struct Repeatability {
 /// [`held_out`](super::held_out).
 pub fn repeatability(record: &Record, fit: &Fit, bytes: &[u8], series: &[Series]) -> Vec<Repeatability> {
     let pairs = pairs(record);
-    let (_, fitted) = run(record, fit, bytes);
+    // Cycles held out in turn have series of other fits.
+    let own = (!fit.turns.is_empty()).then(|| run(record, fit, bytes).1);
+    let fitted = own.as_deref().unwrap_or(series);
     let of_axis = |axis: &Axis| {
         let own: Vec<&Series> = fitted.iter().filter(|own| own.axis == *axis).collect();
         let left = |[group, row]: [usize; 2]| own[group].rows[row][1] - own[group].rows[row][2];

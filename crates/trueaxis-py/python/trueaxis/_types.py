@@ -1397,7 +1397,7 @@ class ThermalFit(Result):
     cycles : tuple[Cycle, ...]
         Drift and residual of the held-out cycles and of the others.
     repeatability : tuple[Repeatability, ...]
-        What the sensors can predict of each axis at all, beside the residual.
+        How much of each axis's drift any model of these sensors could predict, beside the residual.
     held_out_um : NDArray[np.float64]
         Largest drift of the held-out cycles, µm, and largest residual.
     toml : str

@@ -16,7 +16,7 @@
 //! - where the path turns back by almost 180°, order along the path and lag decide the foot, not distance alone, and a second
 //!   minimum is flagged while both legs are near;
 //! - with no foot known (first cycle, after a fault, lost) the search samples the path around the reference over
-//!   thirteen cycles, first behind it, then ahead. No error is measured meanwhile: the distance from a sample is not a contour error;
+//!   thirteen cycles, first behind it, then ahead, and measures no error meanwhile;
 //! - a host whose planner is closed can use its own commands as the path ([`CommandWindow`]);
 //! - a [`ToolPath`] adds a direction to every span ([`Turn`]). The orientation error is the angle at the tip's foot or,
 //!   where the tip stays in place while the tool turns ([`Segment::Turning`]), the angle to the nearest orientation.

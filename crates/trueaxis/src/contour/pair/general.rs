@@ -1,7 +1,7 @@
 //! Out-of-line search near borders and corners, without convergence, or with no foot known.
 //!
-//! After its frame a cycle takes at most two evaluations of the path for both points together. A foot that they do not reach
-//! is searched on in the next cycle, from the best point so far, and flagged meanwhile ([`Flags::SEARCHING`]).
+//! After its frame a cycle takes at most two evaluations of the path for both points together. Where they do not reach a foot,
+//! the search continues in the next cycle from the best point so far; the error is flagged meanwhile ([`Flags::SEARCHING`]).
 
 use super::frame::{Seen, Start, Tangent, change_of_u, feet, leaves_nothing, local};
 use super::{PairState, place};
