@@ -1,6 +1,6 @@
 //! Calibration by touches, compared with hand calculations.
 
-use trueaxis_metrology::calibration::{Centre, CalibrationRefusal, Network, Part, Surface, Touch, Unknown, fit_ball};
+use trueaxis_metrology::calibration::{CalibrationRefusal, Centre, Network, Part, Surface, Touch, Unknown, fit_ball};
 use trueaxis_testing::noise::Noise;
 
 const NEAR: [f64; 3] = [10.2, -5.1, 2.9];
@@ -147,14 +147,14 @@ fn a_turned_plate_of_unknown_places_shows_the_skew_of_a_machine() {
     unknowns.push(Unknown { start: 2e-4, uncertainty: Some(1e-9) });
     unknowns.extend([0.0; 14].map(free));
     let mut noise = Noise::new(3);
-    let own: Vec<[f64; 2]> = (0..9).map(|ball| if ball < 2 { [0.0; 2] } else { [0; 2].map(|_| 0.1 * noise.signed()) }).collect();
+    let own: Vec<[f64; 2]> =
+        (0..9).map(|ball| if ball < 2 { [0.0; 2] } else { [0; 2].map(|_| 0.1 * noise.signed()) }).collect();
     let skew = 40e-6;
     let mut touches = Vec::new();
     for (turn, off, moved) in [(0.0, 0.01, 0.0), (90.0, -0.02, 0.0), (0.0, 0.005, 50.0)] {
         let origin = unknowns.len();
         unknowns.extend([0.0; 3].map(free));
-        let ((sin, cos), (quarter, whole)) =
-            ((f64::to_radians(turn) + off).sin_cos(), f64::to_radians(turn).sin_cos());
+        let ((sin, cos), (quarter, whole)) = ((f64::to_radians(turn) + off).sin_cos(), f64::to_radians(turn).sin_cos());
         for ball in 0..9 {
             let offset = [50.0 * (ball % 3) as f64, 50.0 * (ball / 3) as f64];
             let [a, b] = [0, 1].map(|k| 1.0002 * offset[k] + own[ball][k]);
