@@ -90,7 +90,7 @@ fn bad_plates_are_refused_with_their_line() {
         assert!(PLATE.contains(from), "{from}");
         PLATE.replacen(from, to, 1)
     };
-    let far = changed("[215.0, 165.0", "[255.0, 165.0");
+    let far = changed("[215.0, 165.0", "[285.0, 165.0");
     refused(&far, &[&at(&far, "moved = [1", "plate.placement"), "a touch with X at", "within its travel 0 to 500 mm"]);
     let odd = changed("rows = 5", "rows = 4").replace("to = [5, 5]", "to = [5, 4]").replace("395.98", "350");
     let said =
@@ -102,7 +102,7 @@ fn bad_plates_are_refused_with_their_line() {
     refused(&long, &[&at(&long, "mm = 280", "plate.length.mm"), "392.02"]);
     let beside = changed("to = [5, 5]", "to = [6, 5]");
     refused(&beside, &[&at(&beside, "to = [6", "plate.length.to"), "column 1 to 5 and row 1 to 5"]);
-    let narrow = changed("diameter_mm = 20.0", "diameter_mm = 12.0");
+    let narrow = changed("diameter_mm = 20.0", "diameter_mm = 8.0");
     refused(&narrow, &[&at(&narrow, name, "plate.diameter_mm"), "too little room in a hole", "approach_mm (3)"]);
     let lost = format!("{PLATE}[solve]\nbacklash = true\n");
     refused(&lost, &[&at(&lost, "backlash", "solve.backlash"), "lost motion cancels"]);

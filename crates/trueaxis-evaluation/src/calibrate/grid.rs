@@ -199,7 +199,7 @@ impl Grid {
         }
         self.ends = [from, to];
         let nominal = self.nominal_mm();
-        let about = [0.99 * nominal, 1.01 * nominal];
+        let about = [0.99, 1.01].map(|share| (100.0 * share * nominal).round() / 100.0);
         let mm = needed(&section, "mm", about, " mm, by its pitch", "the distance of the two centres, mm")?;
         let what = "the standard uncertainty of that distance, um";
         let uncertainty = 1e-3 * needed(&section, "uncertainty_um", [0.001, 1e4], " um", what)?;

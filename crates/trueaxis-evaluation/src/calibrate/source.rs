@@ -6,7 +6,7 @@ use super::task::Task;
 use super::unseen;
 use anyhow::{Result, anyhow};
 use std::path::{Path, PathBuf};
-use trueaxis_metrology::calibration::CalibrationRefusal;
+use trueaxis_metrology::calibration::{CalibrationRefusal, Surface};
 use trueaxis_tables::error::FileError;
 
 /// The log, with the names that errors need.
@@ -32,7 +32,12 @@ impl Source<'_> {
         if self.task.plate().is_none() {
             return Ok(());
         }
-        let combinations = observed.network.free();
+        let mut network = observed.network.clone();
+        // A ball beside the plate is known, but too small for a scale: it counts against drift only.
+        for touch in network.touches.iter_mut().filter(|touch| matches!(touch.surface, Surface::Ball { .. })) {
+            touch.response.fill([0.0; 3]);
+        }
+        let combinations = network.free();
         if combinations.is_empty() {
             Ok(())
         } else {
