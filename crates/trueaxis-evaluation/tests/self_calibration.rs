@@ -117,7 +117,7 @@ fn touched(
 ) -> Vec<Logged> {
     let (geometry, ideal) = (Geometry::new(truth, 0.0).unwrap(), Ideal::new(truth).unwrap());
     let reach = |ball: usize| 0.5 * real.diameters[ball] - task.probe.tip_radius_mm;
-    let mut trip = |(index, touch): (usize, &Planned)| {
+    let trip = |(index, touch): (usize, &Planned)| {
         let place = &task.artefacts[touch.artefact].places[touch.place];
         let [dx, dy, turn] = real.put_down[touch.place];
         let [x, y, z] = place.at_mm;
@@ -143,7 +143,7 @@ fn touched(
         let way = task.probe.approach_mm + task.probe.overtravel_mm;
         Logged { line: index as u32 + 1, position: at(other.0 + noise_mm * draws.normal() / way), rotary: [true; 3] }
     };
-    plan.touches.iter().enumerate().map(|touch| trip(touch)).collect()
+    plan.touches.iter().enumerate().map(trip).collect()
 }
 
 /// Solves from touches on a plate put down by eye, or so much better.

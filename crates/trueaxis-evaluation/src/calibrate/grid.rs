@@ -241,7 +241,7 @@ impl Grid {
         };
         let [u, v] = directions(&Place { turn: 0, ..place.clone() });
         (0..3).for_each(|k| place.at_mm[k] = printed(place.at_mm[k] + self.pitch_mm * (by[0] * u[k] + by[1] * v[k])));
-        if place.at_mm.iter().any(|q| !(q.abs() <= 1e5)) {
+        if place.at_mm.iter().any(|q| q.is_nan() || q.abs() > 1e5) {
             return Err(section.at(line, "at_mm", "a plate beyond 100000 mm", "within the machine's travel"));
         }
         if let Some((axis, off)) = self.off_lines(&place, before) {
