@@ -3,6 +3,7 @@
 use super::observed::Observed;
 use super::plan::Plan;
 use super::task::Task;
+use super::terms::Term;
 use super::unseen;
 use anyhow::{Result, anyhow};
 use std::path::{Path, PathBuf};
@@ -33,9 +34,10 @@ impl Source<'_> {
             return Ok(());
         }
         let mut network = observed.network.clone();
-        // A ball beside the plate is known, but too small for a scale: it counts against drift only.
+        // A ball beside the plate is known, but too small for a scale: it counts against drift and for lost motion only.
         for touch in network.touches.iter_mut().filter(|touch| matches!(touch.surface, Surface::Ball { .. })) {
-            touch.response.fill([0.0; 3]);
+            let all = touch.response.iter_mut().zip(&observed.terms.terms);
+            all.filter(|(_, term)| !matches!(term, Term::Backlash(_))).for_each(|(response, _)| *response = [0.0; 3]);
         }
         let combinations = network.free();
         if combinations.is_empty() {

@@ -230,12 +230,14 @@ impl Task {
             let needed = "one plate, its placements in [[plate.placement]]; another plate in another task";
             return Err(root.at(second.first_line(), "plate", "a second plate", needed));
         }
-        if task.artefacts.is_empty() {
-            // Centres do not depend on the tip.
+        // A ball shows lost motion, the middles of a plate do not.
+        let backlash = !task.artefacts.is_empty();
+        if !backlash {
+            // Nor do they depend on the tip.
             task.probe.tip_uncertainty_mm.get_or_insert(TIP_MM);
         }
         task.artefacts.extend(plates.into_iter().map(read_plate).collect::<Result<Vec<_>, _>>()?);
-        task.wanted = Wanted { backlash: false, rotary: false, positioning: ALL, straightness: ALL, ..task.wanted };
+        task.wanted = Wanted { backlash, rotary: false, positioning: ALL, straightness: ALL, ..task.wanted };
         Ok(task)
     }
 
@@ -322,8 +324,8 @@ fn few_points(root: &Section<'_>, task: &Task) -> Result<(), FileError> {
 
 fn read_wanted(section: Section<'_>, task: &Task) -> Result<Wanted, FileError> {
     let default = task.wanted;
-    if task.plate().is_some() && section.boolean("backlash")? == Some(true) {
-        let needed = "false: lost motion cancels in the middle of two touches on opposite sides";
+    if task.plate().is_some() && !default.backlash && section.boolean("backlash")? == Some(true) {
+        let needed = "false, or a ball beside the plate: lost motion cancels in the middle of two opposite touches";
         return Err(section.at(section.first_line(), "backlash", "true", needed));
     }
     for key in ["scale", "backlash", "rotary"] {
