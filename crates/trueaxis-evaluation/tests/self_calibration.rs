@@ -136,7 +136,10 @@ fn touched(
         };
         // Secant from the two ends.
         let (mut one, mut other): ((f64, f64), (f64, f64)) = ((0.3, gap(0.3)), (0.7, gap(0.7)));
-        while (one.0 - other.0).abs() > 1e-10 && other.1 != one.1 {
+        for _ in 0..20 {
+            if (one.0 - other.0).abs() < 1e-10 || other.1 == one.1 {
+                break;
+            }
             let next = other.0 - other.1 * (other.0 - one.0) / (other.1 - one.1);
             (one, other) = (other, (next, gap(next)));
         }
