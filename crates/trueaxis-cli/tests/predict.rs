@@ -209,3 +209,113 @@ fn the_features_of_the_sample_part_are_found_and_can_be_predicted() {
     folder.write("part.toml", &by_hand);
     assert_eq!(with_found, value(&folder.json(&call)));
 }
+
+/// Scale of X and squareness within 5 ppm and 5 µrad: over 60 mm of X and 80 mm of Y the distance of 100 mm has derivatives of
+/// 36 mm and 48 mm. Either alone leaves more than 0.3 µm.
+const TWO_TERMS: &str = "[axis.X.uncertainty]\nscale_ppm = 5\n[uncertainty.location]\nC0Y_urad = 5\n";
+const INSTRUMENTS: &str = "[[instrument]]\nkind = \"laser\"\nalong = [\"X\"]\n\
+                           [[instrument]]\nkind = \"square\"\nplanes = [\"XY\"]\nuncertainty_urad = 1\n";
+
+fn advised(folder: &Folder, stated: &str, instruments: &str, limit: f64) {
+    let part = PART.replace("[-0.24, 0.24]", &format!("[-{limit}, {limit}]"));
+    write(folder, &format!("{OTHERS}{stated}"), PROGRAM, &format!("{part}{instruments}"));
+}
+
+/// u(f)² = 36² s² + 48² c² with s⁻² = 5⁻² + s_m⁻², c⁻² = 5⁻² + c_m⁻². The laser reads 0 and 200 mm twice, 0.2 µm a reading:
+/// s_m² = 0.2²/(4 · 0.1²) ppm² by the readings and 0.7² ppm² by its calibration. c_m is what `calibrate plan` foresees.
+#[test]
+fn advice_on_two_terms_is_the_closed_form_and_its_task_is_planned() {
+    let folder = Folder::new(TRUEAXIS);
+    advised(&folder, TWO_TERMS, INSTRUMENTS, 0.3);
+    let call = ["predict", ".", "part.toml", "--advise", "-o", "task.toml"];
+    let document = folder.json(&[&call[..], &["--json", "--report", "page"]].concat());
+    let planned = folder.json(&["calibrate", "plan", "task.toml", "-o", "probe.ngc", "--json"]);
+    let terms = planned["terms"].as_array().unwrap();
+    let of = |name: &str| terms.iter().find(|term| term["name"] == name).unwrap_or_else(|| panic!("{planned}"));
+    let c_m = of("C0Y")["standard_error"].as_f64().unwrap();
+    let left = |measured: f64| 1.0 / (1.0 / 25.0 + 1.0 / (measured * measured));
+    let s_m = (0.2_f64.powi(2) / (4.0 * 0.1_f64.powi(2)) + 0.7_f64.powi(2)).sqrt();
+    let expanded = |s2: f64, c2: f64| 1.96e-3 * (36.0_f64.powi(2) * s2 + 48.0_f64.powi(2) * c2).sqrt();
+    let advice = &document["advice"];
+    let feature = &advice["features"][0];
+    let um = |key: &str| feature[key].as_f64().unwrap();
+    for (key, wanted) in [
+        ("before_um", expanded(25.0, 25.0)),
+        ("after_um", expanded(left(s_m), left(c_m))),
+        ("least_um", expanded(left(s_m), left(c_m))),
+    ] {
+        // The ends of 10,000 draws scatter by 1.4 %.
+        assert!((um(key) / wanted - 1.0).abs() < 0.04, "{key}: {wanted} for {advice}");
+    }
+    assert!(expanded(left(s_m), 25.0) > 0.3 && expanded(25.0, left(c_m)) > 0.3, "one would be enough: {c_m}");
+    assert_eq!((&feature["verdict_before"], &feature["verdict_after"]), (&"undecided".into(), &"conforms".into()));
+    let measurements = advice["measurements"].as_array().unwrap();
+    let names: Vec<&str> = measurements.iter().map(|of| of["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["laser along X", "square XY"]);
+    // An hour, and ten minutes beside those of the program.
+    let minutes = 60.0 + 10.0 + planned["minutes"].as_f64().unwrap();
+    assert!((advice["minutes"].as_f64().unwrap() - minutes).abs() < 1e-6, "{advice}");
+    let text = folder.good(&call);
+    for shown in [&text, &folder.read("page/predict.html")] {
+        for part in ["What to measure", "laser along X", "square XY", "Before and after", "expected after"] {
+            assert!(shown.contains(part), "{part}: {shown}");
+        }
+    }
+}
+
+/// What is not needed is left out; what no measurement shows is named.
+#[test]
+fn advice_is_the_shortest_set_or_says_what_is_not_measured() {
+    let folder = Folder::new(TRUEAXIS);
+    let of = |stated: &str, limit: f64| {
+        advised(&folder, stated, INSTRUMENTS, limit);
+        folder.json(&["predict", ".", "part.toml", "--advise", "--json"])["advice"].clone()
+    };
+    let names = |advice: &Value| -> Vec<String> {
+        advice["measurements"].as_array().unwrap().iter().map(|of| of["name"].as_str().unwrap().to_owned()).collect()
+    };
+    // The square alone is enough, and shorter than the laser.
+    assert_eq!(names(&of(TWO_TERMS, 0.45)), ["square XY"]);
+    assert!(names(&of(TWO_TERMS, 0.7)).is_empty());
+    let scattered = TWO_TERMS.replace("scale_ppm = 5", "scale_ppm = 5\nrepeatability_um = 1");
+    let advice = of(&scattered, 0.3);
+    assert!(names(&advice).is_empty(), "{advice}");
+    let left = &advice["features"][0]["left"][0];
+    assert_eq!((&left["term"], &left["is_measured"]), (&"repeatability X".into(), &false.into()));
+    let text = folder.good(&["predict", ".", "part.toml", "--advise", "-o", "task.toml"]);
+    for part in ["brings one more feature", "repeatability X", "not measured"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert!(!folder.has("task.toml"));
+}
+
+#[test]
+fn advice_without_what_it_needs_is_refused() {
+    let folder = Folder::new(TRUEAXIS);
+    let bad = |stated: &str, instruments: &str, parts: &[&str]| {
+        advised(&folder, stated, instruments, 0.3);
+        folder.bad(&["predict", ".", "part.toml", "--advise"], parts);
+    };
+    bad("", INSTRUMENTS, &["small: no advice", "uncertainty.device_um_per_m"]);
+    bad(TWO_TERMS, "", &["part.toml", "instrument: found nothing", "[[instrument]]"]);
+    let one = |text: &str| format!("[[instrument]]\n{text}\n");
+    bad(TWO_TERMS, &one("kind = \"ruler\""), &["part.toml:18", "ruler", "gauge block"]);
+    bad(TWO_TERMS, &one("minutes = 5"), &["part.toml:17", "kind", "\"ballbar\""]);
+    bad(TWO_TERMS, &one("kind = \"laser\"\nalong = [\"A\"]"), &["part.toml:19", "each once of X, Y, Z"]);
+    bad(TWO_TERMS, &one("kind = \"laser\"\nalong = [\"X\", \"X\"]"), &["part.toml:19", "each once of X, Y, Z"]);
+    bad(TWO_TERMS, &one("kind = \"ring\"\nminutes = 0"), &["part.toml:19", "0.1 to 10000 minutes"]);
+    bad(TWO_TERMS, &one("kind = \"ring\"\nlength_mm = 5"), &["part.toml:19", "length_mm"]);
+    bad(TWO_TERMS, &one("kind = \"task\""), &["part.toml:17", "file", "a task of calibrate"]);
+    bad(TWO_TERMS, &one("kind = \"task\"\nfile = \"none.toml\""), &["none.toml"]);
+    let twice = one("kind = \"ball\"").repeat(2);
+    bad(TWO_TERMS, &twice, &["part.toml:19", "a second ball", "another name"]);
+    bad(
+        TWO_TERMS,
+        &format!("{}[probe]\ntip_radius_mm = 0\n", one("kind = \"ball\"")),
+        &["part.toml:20", "0.05 to 25 mm"],
+    );
+    // Beyond the travel of 200 mm: said, and the rest goes on.
+    advised(&folder, TWO_TERMS, &format!("{INSTRUMENTS}{}", one("kind = \"ballbar\"\nradius_mm = 150")), 0.3);
+    let text = folder.good(&["predict", ".", "part.toml", "--advise"]);
+    assert!(text.contains("not compared, ballbar XY: found X at") && text.contains("square XY"), "{text}");
+}
