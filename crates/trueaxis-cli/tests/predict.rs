@@ -261,6 +261,71 @@ fn advice_on_two_terms_is_the_closed_form_and_its_task_is_planned() {
             assert!(shown.contains(part), "{part}: {shown}");
         }
     }
+    // The task as an instrument of its own is the same measurement.
+    let laser = INSTRUMENTS.split_inclusive("[\"X\"]\n").next().unwrap();
+    let task = "[[instrument]]\nkind = \"task\"\nfile = \"task.toml\"\n";
+    advised(&folder, TWO_TERMS, &format!("{laser}{task}"), 0.3);
+    let again = folder.json(&["predict", ".", "part.toml", "--advise", "--json"]);
+    assert_eq!(again["advice"]["features"], advice["features"]);
+    assert_eq!(again["advice"]["minutes"], advice["minutes"]);
+}
+
+/// Fourteen measurements, more than every set is tried of: five squares and three lasers along three axes.
+#[test]
+fn of_many_measurements_the_shortest_is_found_step_by_step() {
+    let folder = Folder::new(TRUEAXIS);
+    let square = |k: usize| {
+        let minutes = if k == 3 { 4 } else { 9 };
+        format!(
+            "[[instrument]]\nkind = \"square\"\nname = \"s{k}\"\nplanes = [\"XY\"]\nuncertainty_urad = 1\n\
+             minutes = {minutes}\n"
+        )
+    };
+    let laser = |k: usize| format!("[[instrument]]\nkind = \"laser\"\nname = \"l{k}\"\nminutes = {}\n", 40 - k);
+    let all: String = (0..5).map(square).chain((0..3).map(laser)).collect();
+    for (limit, wanted) in [(0.45, &["s3 XY"][..]), (0.3, &["s3 XY", "l2 along X"])] {
+        advised(&folder, TWO_TERMS, &all, limit);
+        let advice = folder.json(&["predict", ".", "part.toml", "--advise", "--json"])["advice"].clone();
+        assert_eq!(advice["compared"].as_array().unwrap().len(), 14);
+        let names: Vec<&str> =
+            advice["measurements"].as_array().unwrap().iter().map(|of| of["name"].as_str().unwrap()).collect();
+        assert_eq!(names, wanted, "{advice}");
+    }
+}
+
+/// The scale of X counts from X 0: of the positions within the travel the lowest is the best. A hole at 60 mm comes to 41 mm.
+#[test]
+fn a_place_where_the_scale_matters_less_is_found() {
+    let folder = Folder::new(TRUEAXIS);
+    let part = PART.replace("[0, 0, -50]", "[20, 0, -50]");
+    let part = &part[..part.find("[[tolerance]]").unwrap()];
+    let position = "[[tolerance]]\nfeature = \"one\"\nkind = \"position\"\nwidth_um = 5\n";
+    let stated = "[axis.X.uncertainty]\nscale_ppm = 20\n";
+    write(&folder, &format!("{OTHERS}{stated}"), PROGRAM, &format!("{part}{position}{INSTRUMENTS}"));
+    let advice = folder.json(&["predict", ".", "part.toml", "--advise", "--json"])["advice"].clone();
+    let place = &advice["place"];
+    assert_eq!(place["at_mm"], serde_json::json!([1.0, 0.0, -50.0]), "{advice}");
+    let share = |key: &str| place[key].as_f64().unwrap();
+    assert!((share("there") / share("here") - 41.0 / 60.0).abs() < 1e-3, "{advice}");
+}
+
+/// The bevel is cut in negative X, where the carriage lags by an uncertain amount; the other way round it does not.
+#[test]
+fn a_direction_without_uncertain_lost_motion_is_found() {
+    let folder = Folder::new(TRUEAXIS);
+    let program = "G21 G90 G17 G94 F200\nG0 X0 Y0 Z10\nG0 X20\nG81 X40 Y20 Z-5 R2\nG80\nG0 X180\nG1 Z-5\nG1 X100 Y100\n\
+                   G0 Z10\nM2\n";
+    let part = PART.replace("name = \"two\"\nkind = \"hole\"", "name = \"two\"\nkind = \"line\"").replace("0.24", "2");
+    let stated = "[axis.X.uncertainty]\nbacklash_um = 1\n";
+    write(&folder, &format!("{OTHERS}{stated}"), program, &format!("{part}{INSTRUMENTS}"));
+    let call = ["predict", ".", "part.toml", "--advise"];
+    let advice = folder.json(&[&call[..], &["--json"]].concat())["advice"].clone();
+    let [direction] = &advice["directions"].as_array().unwrap()[..] else { panic!("{advice}") };
+    assert_eq!(direction["feature"], "two");
+    let share = |key: &str| direction[key].as_f64().unwrap();
+    // 1.96 · 1 µm · cos 45° of 2 µm; 200 draws.
+    assert!((share("here") - 0.693).abs() < 0.15 && share("there") < 1e-3, "{advice}");
+    assert!(folder.good(&call).contains("two cut the other way round"), "{advice}");
 }
 
 /// What is not needed is left out; what no measurement shows is named.

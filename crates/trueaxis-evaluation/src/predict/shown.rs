@@ -36,7 +36,8 @@ impl PredictDocument {
             let counts = counts.into_iter().filter(|(count, _)| *count > 0);
             let parts =
                 counts.map(|(count, [one, several])| format!("{count} {}", if count == 1 { one } else { several }));
-            format!("{}.", parts.collect::<Vec<_>>().join(", "))
+            let advice = self.advice.as_ref().map_or_else(String::new, |advice| format!(" {}.", advice.sentence()));
+            format!("{}.{advice}", parts.collect::<Vec<_>>().join(", "))
         };
         notes.push("servo, temperature while cutting, tool and process are not included".into());
         notes.extend(self.advice.iter().flat_map(Advice::notes));

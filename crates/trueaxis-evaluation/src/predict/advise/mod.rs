@@ -111,7 +111,7 @@ pub fn elsewhere(
     part: &Part,
     predicted: &PredictDocument,
 ) -> Result<Elsewhere> {
-    let [low, high] = extent(&Prepared::new(machine, stated, program, part)?.cuts);
+    let [low, high] = run(program, part);
     let asked = Asked { machine, stated, program, part, seed: predicted.seed };
     let room = [Axis::X, Axis::Y].map(|axis| {
         let [least, most] = machine.settings.axis(axis).map_or([0.0; 2], |own| own.travel);
@@ -138,6 +138,23 @@ fn extent(cuts: &[Cut]) -> [[f64; 3]; 2] {
     let points = || cuts.iter().flat_map(|cut| &cut.points).map(|point| point.uncorrected.sent);
     let end = |pick: fn(f64, f64) -> f64| std::array::from_fn(|k| points().map(|at| at[k]).reduce(pick).unwrap_or(0.0));
     [end(f64::min), end(f64::max)]
+}
+
+/// Lowest and highest commands of X, Y, Z at the ends of the program's moves.
+fn run(program: &Program, part: &Part) -> [[f64; 3]; 2] {
+    let ends = program.moves.iter().map(|step| &step.curve).flat_map(|curve| {
+        let (first, last) = curve.domain();
+        [curve.position(first), curve.position(last)]
+    });
+    let mut range = [part.at_mm, part.at_mm];
+    for end in ends {
+        for k in 0..3 {
+            let q = part.at_mm[k] + end[k];
+            range[0][k] = range[0][k].min(q);
+            range[1][k] = range[1][k].max(q);
+        }
+    }
+    range
 }
 
 /// Largest standard deviation of an axis' approach, mm.

@@ -27,23 +27,23 @@ impl Advice {
 
     /// What the tables do not say.
     pub(in super::super) fn notes(&self) -> Vec<String> {
-        let mut notes = vec![self.sentence()];
-        notes.extend(self.features.iter().filter_map(Advised::still));
+        let mut notes: Vec<String> = self.features.iter().filter_map(Advised::still).collect();
         notes.extend(self.elsewhere.iter().flat_map(Elsewhere::notes));
         notes.extend(self.corrected.iter().map(|of| format!("with the correction on, {of}")));
         notes.extend(self.left_out.iter().map(|why| format!("not compared, {why}")));
         notes
     }
 
-    fn sentence(&self) -> String {
+    /// What the measurements bring.
+    pub(in super::super) fn sentence(&self) -> String {
         let undecided =
             |verdict: fn(&Advised) -> &str| self.features.iter().filter(|of| verdict(of) == "undecided").count();
         let [before, after] = [undecided(|of| of.verdict_before), undecided(|of| of.verdict_after)];
         let minutes = decimals(self.minutes, 0);
         match (before, after, self.measurements.is_empty()) {
-            (0, ..) => "every feature has a verdict: nothing has to be measured".into(),
+            (0, ..) => "Nothing has to be measured".into(),
             (_, _, true) => {
-                format!("no set of the {} measurements brings one more feature to a verdict", self.compared.len())
+                format!("No set of the {} measurements brings one more feature to a verdict", self.compared.len())
             }
             (_, 0, _) => format!("{minutes} minutes of measuring bring every feature to a verdict"),
             _ => format!(
