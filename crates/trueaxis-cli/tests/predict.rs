@@ -214,7 +214,8 @@ fn the_features_of_the_sample_part_are_found_and_can_be_predicted() {
 /// 36 mm and 48 mm. Either alone leaves more than 0.3 µm.
 const TWO_TERMS: &str = "[axis.X.uncertainty]\nscale_ppm = 5\n[uncertainty.location]\nC0Y_urad = 5\n";
 const INSTRUMENTS: &str = "[[instrument]]\nkind = \"laser\"\nalong = [\"X\"]\n\
-                           [[instrument]]\nkind = \"square\"\nplanes = [\"XY\"]\nuncertainty_urad = 1\n";
+                           [[instrument]]\nkind = \"square\"\nplanes = [\"XY\"]\nuncertainty_urad = 1\n\
+                           [probe]\nrepeatability_um = 0.1\n";
 
 fn advised(folder: &Folder, stated: &str, instruments: &str, limit: f64) {
     let part = PART.replace("[-0.24, 0.24]", &format!("[-{limit}, {limit}]"));
@@ -283,6 +284,7 @@ fn of_many_measurements_the_shortest_is_found_step_by_step() {
     };
     let laser = |k: usize| format!("[[instrument]]\nkind = \"laser\"\nname = \"l{k}\"\nminutes = {}\n", 40 - k);
     let all: String = (0..5).map(square).chain((0..3).map(laser)).collect();
+    let all = all + "[probe]\nrepeatability_um = 0.1\n";
     for (limit, wanted) in [(0.45, &["s3 XY"][..]), (0.3, &["s3 XY", "l2 along X"])] {
         advised(&folder, TWO_TERMS, &all, limit);
         let advice = folder.json(&["predict", ".", "part.toml", "--advise", "--json"])["advice"].clone();
@@ -365,15 +367,15 @@ fn advice_without_what_it_needs_is_refused() {
     bad(TWO_TERMS, "", &["part.toml", "instrument: found nothing", "[[instrument]]"]);
     let one = |text: &str| format!("[[instrument]]\n{text}\n");
     bad(TWO_TERMS, &one("kind = \"ruler\""), &["part.toml:18", "ruler", "gauge block"]);
-    bad(TWO_TERMS, &one("minutes = 5"), &["part.toml:17", "kind", "\"ballbar\""]);
+    bad(TWO_TERMS, &one("minutes = 5"), &["part.toml:18", "kind", "\"ballbar\""]);
     bad(TWO_TERMS, &one("kind = \"laser\"\nalong = [\"A\"]"), &["part.toml:19", "each once of X, Y, Z"]);
     bad(TWO_TERMS, &one("kind = \"laser\"\nalong = [\"X\", \"X\"]"), &["part.toml:19", "each once of X, Y, Z"]);
     bad(TWO_TERMS, &one("kind = \"ring\"\nminutes = 0"), &["part.toml:19", "0.1 to 10000 minutes"]);
     bad(TWO_TERMS, &one("kind = \"ring\"\nlength_mm = 5"), &["part.toml:19", "length_mm"]);
-    bad(TWO_TERMS, &one("kind = \"task\""), &["part.toml:17", "file", "a task of calibrate"]);
+    bad(TWO_TERMS, &one("kind = \"task\""), &["part.toml:18", "file", "a task of calibrate"]);
     bad(TWO_TERMS, &one("kind = \"task\"\nfile = \"none.toml\""), &["none.toml"]);
     let twice = one("kind = \"ball\"").repeat(2);
-    bad(TWO_TERMS, &twice, &["part.toml:19", "a second ball", "another name"]);
+    bad(TWO_TERMS, &twice, &["part.toml:20", "a second ball", "another name"]);
     bad(
         TWO_TERMS,
         &format!("{}[probe]\ntip_radius_mm = 0\n", one("kind = \"ball\"")),

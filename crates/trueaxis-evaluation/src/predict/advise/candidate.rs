@@ -112,7 +112,7 @@ impl Shop<'_> {
         let (length, um) = (of.size_mm, 1e3 * of.uncertainty);
         let mut text = head(name, "gauge block");
         let _ = write!(text, "length_mm = {length}\nsection_mm = [{wide}, {high}]\nuncertainty_um = {um}\n");
-        let _ = write!(text, "{}along = \"{}\"\n", place(at), axis.letter());
+        let _ = writeln!(text, "{}along = \"{}\"", place(at), axis.letter());
         text
     }
 

@@ -3,7 +3,7 @@
 use super::document::{Directed, Placed};
 use crate::predict::{FeatureKind, Options, Part, PredictDocument, Predicted, predict};
 use anyhow::Result;
-use trueaxis_sim::program::{Curve, Program};
+use trueaxis_sim::program::{Curve, Move, Program};
 use trueaxis_tables::Machine;
 use trueaxis_tables::uncertainty::Uncertainties;
 
@@ -137,5 +137,12 @@ fn reversed(program: &Program, [from, to]: [u32; 2]) -> Option<Program> {
             Curve::Nurbs { .. } => return None,
         }
     }
+    // To the new start, so that the first point is reached along the feature.
+    let ends = |step: &Move| [step.curve.domain().0, step.curve.domain().1].map(|u| step.curve.position(u));
+    let [to, _] = ends(&program.moves[first]);
+    let [_, from] = first.checked_sub(1).map_or([to; 2], |before| ends(&program.moves[before]));
+    let curve = Curve::Line { start: from, end: to };
+    let way = Move { rapid: true, curve, ..program.moves[first].clone() };
+    program.moves.insert(first, way);
     Some(program)
 }

@@ -127,8 +127,8 @@ pub struct Touching {
     pub dialect: String,
     /// Radius of the tip, mm.
     pub tip_radius_mm: f64,
-    /// Standard uncertainty of the effective radius, mm; `None`: artefacts have to determine it.
-    pub tip_uncertainty_mm: Option<f64>,
+    /// Standard uncertainty of the effective radius, mm: a ball determines it better.
+    pub tip_uncertainty_mm: f64,
     /// Standard deviation of a touch, mm.
     pub repeatability_mm: f64,
 }
@@ -136,7 +136,7 @@ pub struct Touching {
 impl Default for Touching {
     fn default() -> Self {
         let dialect = String::from("linuxcnc");
-        Touching { dialect, tip_radius_mm: 3.0, tip_uncertainty_mm: None, repeatability_mm: 0.5e-3 }
+        Touching { dialect, tip_radius_mm: 3.0, tip_uncertainty_mm: 0.02, repeatability_mm: 0.5e-3 }
     }
 }
 
@@ -167,7 +167,9 @@ pub(in super::super) fn read_probe(section: Section<'_>) -> Result<Touching, Fil
     if let Some(mm) = number(&section, "tip_radius_mm", [0.05, 25.0], " mm")? {
         probe.tip_radius_mm = mm;
     }
-    probe.tip_uncertainty_mm = number(&section, "tip_uncertainty_um", [0.001, 1000.0], " um")?.map(|um| 1e-3 * um);
+    if let Some(um) = number(&section, "tip_uncertainty_um", [0.001, 1000.0], " um")? {
+        probe.tip_uncertainty_mm = 1e-3 * um;
+    }
     if let Some(um) = number(&section, "repeatability_um", [0.01, 1000.0], " um")? {
         probe.repeatability_mm = 1e-3 * um;
     }

@@ -32,6 +32,7 @@ impl Rated {
 }
 
 /// What was chosen.
+#[derive(Default)]
 pub(super) struct Choice {
     /// Indices of the measurements.
     pub(super) chosen: Vec<usize>,
@@ -144,34 +145,29 @@ impl<'s> Search<'s> {
         }
         let mut rated = if count <= EXACT { self.all_sets() } else { self.greedy() };
         rated.sort_by(Rated::order);
-        let mut best: Option<(usize, Rated, Readings, [f64; 2], Vec<Interval>)> = None;
+        let unmeasured = self.prior.features.iter().map(|of| of.interval).collect();
+        let mut best = Choice { intervals: unmeasured, ..Choice::default() };
+        let mut most = None;
         for one in rated.iter().take(DRAWN) {
-            let Some((readings, minutes)) = self.readings(one.set) else { continue };
+            let Some((readings, [minutes, probing_minutes])) = self.readings(one.set) else { continue };
             let intervals = self.prior.after(&readings)?;
             let features = self.prior.features.iter().zip(&intervals);
             let decided = features.filter(|(of, interval)| is_decided(**interval, of.limits)).count();
-            let has_all = decided >= one.decided;
-            if best.as_ref().is_none_or(|(most, ..)| decided > *most) {
-                best = Some((decided, *one, readings, minutes, intervals));
+            if most.is_none_or(|most| decided > most) {
+                most = Some(decided);
+                let chosen = members(one.set).collect();
+                best = Choice { chosen, minutes, probing_minutes, readings, intervals, with_all: Vec::new() };
             }
-            if has_all {
+            if decided >= one.decided {
                 break;
             }
         }
-        let with_all = self.with_all();
+        best.with_all = self.with_all();
         for (set, _) in self.tasks.iter().filter(|(_, block)| block.is_some()) {
             // Possible together with others.
             members(*set).for_each(|k| self.refused[k] = None);
         }
-        let (_, rated, readings, [minutes, probing_minutes], intervals) = match best {
-            Some(best) => best,
-            None => {
-                let none = Rated { set: 0, minutes: 0.0, decided: 0, open: 0.0 };
-                (0, none, Vec::new(), [0.0; 2], self.prior.features.iter().map(|of| of.interval).collect())
-            }
-        };
-        let chosen = members(rated.set).collect();
-        Ok((Choice { chosen, minutes, probing_minutes, readings, intervals, with_all }, self.refused))
+        Ok((best, self.refused))
     }
 
     /// The intervals with all that is possible: artefacts in one task, or those that separate their terms.

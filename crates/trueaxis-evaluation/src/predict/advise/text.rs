@@ -8,10 +8,10 @@ pub(super) fn task_text(machine: &str, probe: &Touching, scatter_mm: f64, artefa
     let (dialect, tip) = (&probe.dialect, probe.tip_radius_mm);
     // An axis that repeats badly scatters every touch.
     let um = (1e6 * probe.repeatability_mm.hypot(scatter_mm)).round() / 1e3;
-    let known = probe.tip_uncertainty_mm.map_or_else(String::new, |mm| format!("tip_uncertainty_um = {}\n", 1e3 * mm));
+    let known = 1e3 * probe.tip_uncertainty_mm;
     format!(
-        "machine = {machine}\ndialect = \"{dialect}\"\ncompensated = true\n\n[probe]\ntip_radius_mm = {tip}\n{known}\
-         repeatability_um = {um}\n{}",
+        "machine = {machine}\ndialect = \"{dialect}\"\ncompensated = true\n\n[probe]\ntip_radius_mm = {tip}\n\
+         tip_uncertainty_um = {known}\nrepeatability_um = {um}\n{}",
         artefacts.concat()
     )
 }
