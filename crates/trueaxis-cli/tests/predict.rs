@@ -233,7 +233,7 @@ fn advice_on_two_terms_is_the_closed_form_and_its_task_is_planned() {
     let planned = folder.json(&["calibrate", "plan", "task.toml", "-o", "probe.ngc", "--json"]);
     let terms = planned["terms"].as_array().unwrap();
     let of = |name: &str| terms.iter().find(|term| term["name"] == name).unwrap_or_else(|| panic!("{planned}"));
-    let c_m = of("C0Y")["standard_error"].as_f64().unwrap();
+    let c_m = of("squareness C0Y")["standard_error"].as_f64().unwrap();
     let left = |measured: f64| 1.0 / (1.0 / 25.0 + 1.0 / (measured * measured));
     let s_m = (0.2_f64.powi(2) / (4.0 * 0.1_f64.powi(2)) + 0.7_f64.powi(2)).sqrt();
     let expanded = |s2: f64, c2: f64| 1.96e-3 * (36.0_f64.powi(2) * s2 + 48.0_f64.powi(2) * c2).sqrt();
