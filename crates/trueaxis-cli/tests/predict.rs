@@ -267,8 +267,10 @@ fn advice_on_two_terms_is_the_closed_form_and_its_task_is_planned() {
     let task = "[[instrument]]\nkind = \"task\"\nfile = \"task.toml\"\n";
     advised(&folder, TWO_TERMS, &format!("{laser}{task}"), 0.3);
     let again = folder.json(&["predict", ".", "part.toml", "--advise", "--json"]);
-    assert_eq!(again["advice"]["features"], advice["features"]);
-    assert_eq!(again["advice"]["minutes"], advice["minutes"]);
+    // Its readings come in another order, and with them other draws of their noise.
+    let after = again["advice"]["features"][0]["after_um"].as_f64().unwrap();
+    assert!((after / um("after_um") - 1.0).abs() < 0.04, "{again}");
+    assert!((again["advice"]["minutes"].as_f64().unwrap() - minutes).abs() < 1e-6, "{again}");
 }
 
 /// Fourteen measurements, more than every set is tried of: five squares and three lasers along three axes.

@@ -17,7 +17,7 @@ use trueaxis_testing::noise::Noise;
 use trueaxis_testing::scatter::normal;
 
 /// Machines measured.
-const MACHINES: usize = 100;
+const MACHINES: usize = 150;
 /// What a new installation may have: squareness and scales that nobody has measured.
 const KNOWN: Known =
     Known { shift: 0.1e-3, turn: 0.5e-6, square: [3e-6, 3e-6, 40e-6], scale: 25e-6, play: 0.0, approach: 0.05e-3 };
@@ -33,7 +33,7 @@ fn advised(known: &Known, instruments: &str) -> (Vec<(String, String)>, Machine,
     let stated = Uncertainties::read_from(&memory, Path::new("machine.toml")).unwrap();
     let program = Program::parse("plate", &program(&steps), "plate.ngc").unwrap();
     let part = Part::read(&format!("{}{instruments}", part(&lines)), Path::new("part.toml")).unwrap();
-    let predicted = predict(&machine, &stated, &program, &part, Options { trials: 300, seed: 5 }).unwrap();
+    let predicted = predict(&machine, &stated, &program, &part, Options { trials: 500, seed: 5 }).unwrap();
     let none = |_: &str| -> anyhow::Result<Task> { unreachable!() };
     let advice = advise(&machine, &stated, &program, &part, &predicted, &none).unwrap();
     (files, machine, advice)
