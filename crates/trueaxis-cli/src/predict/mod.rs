@@ -14,7 +14,7 @@ use trueaxis_tables::uncertainty::Uncertainties;
 pub(crate) const EXAMPLE: &str = "\
 Example:
   trueaxis predict compensation-tables/mill-3axis records/plate/part.toml
-  trueaxis predict compensation-tables/mill-3axis records/plate/part.toml \\
+  trueaxis predict records/retrofit records/plate/part.toml \\
     --advise -o task.toml";
 
 pub(crate) const HELP: &str = "\
