@@ -62,7 +62,11 @@ pub(super) fn machine(machine: &MachineSettings) -> Result<(), ConfigError> {
     axes.iter().try_for_each(of_axis)?;
     feedback.as_ref().map_or(Ok(()), of_feedback)?;
     crosstalk.iter().enumerate().try_for_each(|(index, entry)| of_crosstalk(entry).map_err(|error| error.at(index)))?;
-    periodic.iter().try_for_each(of_period)
+    for (index, entry) in periodic.iter().enumerate() {
+        let number = periodic.iter().take(index).filter(|other| other.axis == entry.axis).count();
+        of_period(entry).map_err(|error| error.at(number))?;
+    }
+    Ok(())
 }
 
 fn of_axis(settings: &AxisSettings) -> Result<(), ConfigError> {

@@ -15,7 +15,7 @@
 use super::{ServoLoop, State};
 use crate::compensation::volumetric::Cycle;
 use crate::compensation::{
-    CycleGrids, Direction, NineTerms, PASSES_MASK, Periods, Query, Reversal, Source, Volumetric, from_zero,
+    CycleGrids, Direction, NineTerms, PASSES_MASK, Query, Reversal, Source, Volumetric, from_zero,
 };
 use crate::position::Position;
 use crate::real::Real;
@@ -49,23 +49,6 @@ impl<R: Real, const N: usize> Modelled<R, N> {
             (*wanted, *tip) = (-drive, feedback);
         }
         modelled
-    }
-
-    /// Adds the periods at drive positions and feedback, mm (deg) from machine zero.
-    #[inline(never)]
-    fn add_periods(
-        &mut self,
-        periods: &Periods<'_, R>,
-        drive: &[R; N],
-        feedback: &[R; N],
-        directions: &[Direction; N],
-    ) {
-        let mut at_drives = [R::ZERO; N];
-        periods.add_to(drive, directions, &mut at_drives);
-        periods.add_to(feedback, directions, &mut self.tip_error);
-        for (wanted, error) in self.wanted.iter_mut().zip(at_drives) {
-            *wanted = *wanted - error;
-        }
     }
 }
 
@@ -221,8 +204,20 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         needs_tilt: bool,
     ) -> Modelled<R, N> {
         let mut at_edge = 0;
-        let (command, feedback, thermal) = (sample.command, sample.feedback, &state.thermal);
-        let drive = &self.place(state, command);
+        let (feedback, thermal) = (sample.feedback, &state.thermal);
+        let drive = &self.place(state, sample.command);
+        let (mut moved, mut of_periods) = ([P::default(); N], [R::ZERO; N]);
+        let command = match self.compensation.periods() {
+            None => sample.command,
+            Some(periods) => {
+                // Looked up where the drives are, the inverse starts at a command that the periods have moved already.
+                periods.add_to(&drive.map(from_zero), directions, &mut of_periods);
+                for ((moved, command), error) in moved.iter_mut().zip(sample.command).zip(of_periods) {
+                    *moved = command.moved(P::offset(-error));
+                }
+                &moved
+            }
+        };
         let cycle = Cycle { command, drive, feedback, directions, thermal, tables: &self.tables };
         let passes = self.compensation.passes();
         let grids = self.compensation.grids().and_then(|grids| {
@@ -242,7 +237,10 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         }
         let mut modelled = Modelled { wanted, tip_error, tilt, at_edge };
         if let Some(periods) = self.compensation.periods() {
-            modelled.add_periods(periods, &drive.map(from_zero), &feedback.map(from_zero), directions);
+            periods.add_to(&feedback.map(from_zero), directions, &mut modelled.tip_error);
+            for (wanted, error) in modelled.wanted.iter_mut().zip(of_periods) {
+                *wanted = *wanted - error;
+            }
         }
         modelled
     }
