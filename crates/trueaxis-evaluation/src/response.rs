@@ -53,10 +53,11 @@ pub fn own_tip_errors(machine: &Machine, places: &[[f64; AXES]]) -> Result<(Vec<
     })
 }
 
-/// The machine without any error: no tables, no grids, no location errors, no backlash.
+/// The machine without any error: no tables, no periods, no grids, no location errors, no backlash.
 pub fn without_errors(machine: &Machine) -> Machine {
     let mut bare = machine.clone();
     bare.settings.location = Default::default();
+    bare.settings.periodic.clear();
     bare.grids.clear();
     for (own, table) in bare.settings.axes.iter_mut().zip(&mut bare.tables) {
         own.backlash = 0.0;

@@ -111,6 +111,7 @@ impl Machine {
         };
         self.tables.iter().any(Option::is_some)
             || !self.grids.is_empty()
+            || !self.settings.periodic.is_empty()
             || self.settings.location != LocationErrors::default()
             || self.settings.axes.iter().any(axis)
     }

@@ -31,7 +31,7 @@ pub enum Warning {
         /// Declared travel, mm.
         travel: [f64; 2],
     },
-    /// The machine states no table, grid, squareness, location error, lost motion or growth, so its correction is zero.
+    /// The machine states no table, period, grid, squareness, location error, lost motion or growth, so its correction is zero.
     NoErrorsStated,
     /// At top feed of all axes the correction of a drive changes faster than its slope limit allows.
     SlopeAboveLimit {
@@ -134,6 +134,8 @@ pub enum Term {
     Location,
     /// Lost motion of an axis.
     Backlash(Axis),
+    /// Errors of an axis that repeat within a period.
+    Periods(Axis),
 }
 
 impl fmt::Display for Term {
@@ -143,6 +145,7 @@ impl fmt::Display for Term {
             Term::Grids => f.write_str("the grids"),
             Term::Location => f.write_str("squareness and location errors"),
             Term::Backlash(axis) => write!(f, "the backlash of {}", axis.letter()),
+            Term::Periods(axis) => write!(f, "the periods of {}", axis.letter()),
         }
     }
 }
@@ -188,7 +191,7 @@ impl fmt::Display for Warning {
                 )
             }
             Warning::NoErrorsStated => f.write_str(
-                "no errors are stated (no table, grid, squareness, location error, lost motion or growth): no geometry is \
+                "no errors are stated (no table, period, grid, squareness, location error, lost motion or growth): no geometry is \
                  corrected",
             ),
             Warning::SlopeAboveLimit { axis, rate, limit, moving, part } => {
@@ -337,17 +340,20 @@ fn largest_term(machine: &Machine, drive: &AxisSettings, grids: &check::GridBoun
     let mut bare = machine.settings.clone();
     bare.location = LocationErrors::default();
     bare.axes.iter_mut().for_each(|axis| axis.backlash = 0.0);
+    bare.periodic.clear();
     let mut located = bare.clone();
     located.location = machine.settings.location;
     let axes = machine.settings.axes.iter();
     let tables = axes.clone().filter(|axis| machine.rows(axis.axis).is_some()).map(|axis| Term::Table(axis.axis));
     let lost = axes.filter(|axis| axis.backlash != 0.0).map(|axis| Term::Backlash(axis.axis));
+    let repeats = machine.settings.repeats(drive.axis, 0);
     let part = |term: Term| {
         let rows = |axis| machine.rows(axis).filter(|_| term == Term::Table(axis));
         let (settings, grids) = match term {
             Term::Table(_) => (bare.clone(), &check::GridBounds::NONE),
             Term::Grids => (bare.clone(), grids),
             Term::Location => (located.clone(), &check::GridBounds::NONE),
+            Term::Periods(_) => return (term, repeats),
             Term::Backlash(axis) => {
                 let mut settings = bare.clone();
                 settings.axes.iter_mut().zip(&machine.settings.axes).for_each(|(own, stated)| {
@@ -360,7 +366,7 @@ fn largest_term(machine: &Machine, drive: &AxisSettings, grids: &check::GridBoun
         let (least, most) = check::error_range(&settings, rows, grids, drive, own);
         (term, least.abs().max(most.abs()))
     };
-    let terms = tables.chain(lost).chain([Term::Location, Term::Grids]).map(part);
+    let terms = tables.chain(lost).chain([Term::Location, Term::Grids, Term::Periods(drive.axis)]).map(part);
     terms.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((Term::Location, 0.0))
 }
 

@@ -291,6 +291,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
 
     /// Correction of the volumetric form and periods: `r = r_v + s`, `r_v` the volumetric form's at `q + s`,
     /// `s = −E(q + r_v + s)`.
+    // Only with periods.
     #[inline(never)]
     fn correction_with_periods(
         &self,
@@ -300,7 +301,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         clamped: &mut u8,
     ) -> [R; N] {
         let (mut at, mut correction, mut own) = (*query.command, [R::ZERO; N], [R::ZERO; N]);
-        // The second round looks the volumetric form up at the drive's position.
+        // At most 2 rounds: the second looks the volumetric form up at the drive's position.
         for _ in 0..2 {
             correction =
                 volumetric.correction_with(&Query { command: &at, ..*query }, self.grids(), self.passes, clamped);

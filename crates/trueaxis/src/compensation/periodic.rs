@@ -32,12 +32,12 @@ type Cell<R> = [R; 4];
 /// One period of an axis.
 #[derive(Clone, Copy, Debug)]
 struct Wave<'a, R> {
-    slot: usize,
+    slot: u8,
     /// Of positive travel, then, if it differs, of negative travel.
     cells: &'a [Cell<R>],
     /// Number of cells of a period, a power of two, less 1.
-    mask: usize,
-    reverse_offset: usize,
+    mask: u16,
+    reverse_offset: u16,
     /// Cells per mm (deg).
     scale: R,
 }
@@ -67,9 +67,10 @@ impl<'a, R: Real> Wave<'a, R> {
                 *cell = [e0, d0, 3.0 * (e1 - e0) - 2.0 * d0 - d1, 2.0 * (e0 - e1) + d0 + d1].map(R::of);
             }
         }
-        let reverse_offset = if settings.is_two_sided() { count } else { 0 };
+        let reverse_offset = if settings.is_two_sided() { count as u16 } else { 0 };
         let scale = R::of(1.0 / width);
-        Ok((Wave { slot, cells: lines, mask: count - 1, reverse_offset, scale }, rest))
+        // Six axes, and at most 128 cells.
+        Ok((Wave { slot: slot as u8, cells: lines, mask: count as u16 - 1, reverse_offset, scale }, rest))
     }
 
     /// Error at a position from machine zero, mm (deg).
@@ -79,7 +80,8 @@ impl<'a, R: Real> Wave<'a, R> {
         let whole = place.to_i32();
         let rest = place - R::of_i32(whole);
         let (whole, t) = if rest < R::ZERO { (whole.wrapping_sub(1), rest + R::ONE) } else { (whole, rest) };
-        let index = (whole as usize & self.mask).wrapping_add(self.reverse_offset & reverse.mask());
+        let start = usize::from(self.reverse_offset) & reverse.mask();
+        let index = (whole as usize & usize::from(self.mask)).wrapping_add(start);
         let Some([k0, k1, k2, k3]) = self.cells.get(index) else { return R::ZERO };
         k0.add_product(t, k1.add_product(t, k2.add_product(t, *k3)))
     }
@@ -131,6 +133,7 @@ impl<'a, R: Real> Periods<'a, R> {
     }
 
     /// Adds the errors at positions from machine zero, mm (deg).
+    // Only with periods.
     #[inline(never)]
     pub(crate) fn add_to<const N: usize>(
         &self,
@@ -140,8 +143,9 @@ impl<'a, R: Real> Periods<'a, R> {
     ) {
         // At most 6 rounds: the settings hold no more periods.
         for wave in self.0.iter().map_while(Option::as_ref) {
+            let slot = usize::from(wave.slot);
             let (Some(position), Some(direction), Some(error)) =
-                (positions.get(wave.slot), directions.get(wave.slot), errors.get_mut(wave.slot))
+                (positions.get(slot), directions.get(slot), errors.get_mut(slot))
             else {
                 continue;
             };

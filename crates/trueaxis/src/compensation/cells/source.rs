@@ -65,6 +65,7 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
     }
 
     /// Errors with those of the periods at a position.
+    // Only with periods.
     #[inline(never)]
     fn with_periods(&self, periods: &Periods<'_, R>, error: [R; 3], positions: &[P; N]) -> [R; 3] {
         let mut errors = [R::ZERO; N];
