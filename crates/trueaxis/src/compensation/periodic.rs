@@ -157,5 +157,5 @@ impl<'a, R: Real> Periods<'a, R> {
 /// Position from machine zero, mm (deg).
 #[inline(always)]
 pub(crate) fn from_zero<R: Real, P: Position>(position: P) -> R {
-    position.since(P::of(0.0))
+    position.since_near(P::of(0.0))
 }
