@@ -239,7 +239,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         if let Some(periods) = self.compensation.periods() {
             periods.add_to(&feedback.map(from_zero), directions, &mut modelled.tip_error);
             for (wanted, error) in modelled.wanted.iter_mut().zip(of_periods) {
-                *wanted = *wanted - error;
+                *wanted -= error;
             }
         }
         modelled
