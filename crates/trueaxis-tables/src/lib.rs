@@ -42,7 +42,8 @@ pub use read::section::{KeyValue, Section, read_toml};
 pub use read::table_text::{ColumnText, TableText, table_texts};
 pub use summary::{
     AxisSummary, CrosstalkSummary, DriveSummary, DynamicSummary, ErrorSummary, FeedbackSummary, FrictionSummary,
-    GridAxisSummary, GridErrorSummary, GridSummary, RoundnessSummary, ServoSummary, Summary, TableSummary, summary,
+    GridAxisSummary, GridErrorSummary, GridSummary, PeriodSummary, RoundnessSummary, ServoSummary, Summary,
+    TableSummary, summary,
 };
 pub use warning::{Term, Warning, check};
 

@@ -111,6 +111,7 @@ impl Description {
         // In a list of sections, the one with this number.
         let place = match (key.split_once('.'), error.index) {
             (Some((list @ ("crosstalk" | "grid"), rest)), Some(index)) => format!("{list}[{index}].{rest}"),
+            (Some(("axis", _)), Some(index)) => key.replace(".periodic.", &format!(".periodic[{index}].")),
             _ => key.clone(),
         };
         match self.keys.get(&place) {

@@ -3,7 +3,7 @@
 //! | cycle | modelled by |
 //! |---|---|
 //! | active, nine terms in one pass, no axis has reversed or left its cell | `model` itself, in the cached cells |
-//! | any other with nine terms that have cells: cells left, a reversal, new tables or growth, several passes | `model_in_some_cells` |
+//! | any other with nine terms that have cells: cells left, a reversal, new tables or growth, several passes, periods | `model_in_some_cells` |
 //! | volumetric tables looked up at the command | `model_in_tangents` |
 //! | tables without cells | `model_by_lookup` |
 //! | not homed, frozen or stopped | nothing |
@@ -14,7 +14,9 @@
 
 use super::{ServoLoop, State};
 use crate::compensation::volumetric::Cycle;
-use crate::compensation::{CycleGrids, Direction, NineTerms, PASSES_MASK, Query, Reversal, Source, Volumetric};
+use crate::compensation::{
+    CycleGrids, Direction, NineTerms, PASSES_MASK, Periods, Query, Reversal, Source, Volumetric, from_zero,
+};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -47,6 +49,23 @@ impl<R: Real, const N: usize> Modelled<R, N> {
             (*wanted, *tip) = (-drive, feedback);
         }
         modelled
+    }
+
+    /// Adds the periods at drive positions and feedback, mm (deg) from machine zero.
+    #[inline(never)]
+    fn add_periods(
+        &mut self,
+        periods: &Periods<'_, R>,
+        drive: &[R; N],
+        feedback: &[R; N],
+        directions: &[Direction; N],
+    ) {
+        let mut at_drives = [R::ZERO; N];
+        periods.add_to(drive, directions, &mut at_drives);
+        periods.add_to(feedback, directions, &mut self.tip_error);
+        for (wanted, error) in self.wanted.iter_mut().zip(at_drives) {
+            *wanted = *wanted - error;
+        }
     }
 }
 
@@ -159,7 +178,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             }
         }
         let grids = grids.map(|grids| (grids, &state.grids));
-        let source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, grids };
+        let periods = self.compensation.periods();
+        let source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, grids, periods };
         for _ in 0..fills {
             if !source.refill(&mut state.cells, &at, sample.feedback) {
                 break;
@@ -220,7 +240,11 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         for (error, tip) in tip_error.iter_mut().zip(tip.array()) {
             *error = tip;
         }
-        Modelled { wanted, tip_error, tilt, at_edge }
+        let mut modelled = Modelled { wanted, tip_error, tilt, at_edge };
+        if let Some(periods) = self.compensation.periods() {
+            modelled.add_periods(periods, &drive.map(from_zero), &feedback.map(from_zero), directions);
+        }
+        modelled
     }
 
     /// Any tables, looked up without a cache. The passes of the inverse start from no correction.

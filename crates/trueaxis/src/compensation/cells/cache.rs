@@ -149,7 +149,7 @@ impl<R: Real, P: Position> Cells<R, P> {
     }
 
     /// Errors at command and feedback, in mm, and the axes whose command is beyond their tables or grids; `None` if any
-    /// axis has left its cell.
+    /// axis has left its cell, or if errors without cells add to them.
     #[inline(always)]
     pub(crate) fn errors(
         &self,
@@ -166,6 +166,7 @@ impl<R: Real, P: Position> Cells<R, P> {
                 part::GRIDS?;
                 return self.errors_with_grids(tables, near, command, feedback);
             }
+            Form::WithPeriods => return None,
         })
     }
 

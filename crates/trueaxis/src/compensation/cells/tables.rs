@@ -78,6 +78,8 @@ pub(crate) enum Form {
     Cubic,
     /// Either, with grids beside them.
     WithGrids,
+    /// Either, with periods beside them, which have no cells: every cycle looks them up.
+    WithPeriods,
 }
 
 /// Borders of the cells and bounds of the inverse: immutable, built once.
@@ -99,11 +101,11 @@ pub(crate) struct Tables<R, P: Position> {
 }
 
 impl<R: Real, P: Position> Tables<R, P> {
-    /// `grids`: key of the grids beside the tables. `norm` of the errors' Jacobian, `most` passes of the inverse; per
+    /// `grids`: key of the grids beside the tables, and whether there are `periods`. `norm` of the errors' Jacobian, `most` passes of the inverse; per
     /// cycle, the largest `motion` of the command and `change` of the correction, mm.
     pub(crate) fn new<const N: usize>(
         terms: Option<&NineTerms<'_, R, P, N>>,
-        grids: Option<u64>,
+        (grids, periods): (Option<u64>, bool),
         norm: f64,
         [motion, change]: [f64; 2],
         most: u8,
@@ -120,10 +122,11 @@ impl<R: Real, P: Position> Tables<R, P> {
         };
         let Some((terms, cubic)) = terms.and_then(|terms| Some((terms, terms.cells()?))) else { return built };
         built.cubic = cubic;
-        built.form = match (grids, cubic) {
-            (Some(_), _) => Form::WithGrids,
-            (None, true) => Form::Cubic,
-            (None, false) => Form::Linear,
+        built.form = match (periods, grids, cubic) {
+            (true, ..) => Form::WithPeriods,
+            (_, Some(_), _) => Form::WithGrids,
+            (_, None, true) => Form::Cubic,
+            (_, None, false) => Form::Linear,
         };
         for (borders, table) in built.borders.iter_mut().zip(&terms.tables) {
             *borders = Borders::of(table);
