@@ -18,7 +18,7 @@ const ROUNDING: f64 = 1e-13;
 /// Chance that noise alone gives a wave of the residual as strong as the one reported.
 const BY_CHANCE: f64 = 0.003;
 
-/// Finds the errors of `periods` in a record; `harmonics` of each if stated, otherwise up to eight, as many as the points
+/// Finds the errors of `periods` in a record; `harmonics` of each if stated, otherwise up to six, as many as the points
 /// permit.
 ///
 /// Cost: for a scan of a thousand points and two periods, some ten fits of a hundred unknowns: tens of milliseconds.
@@ -167,12 +167,26 @@ fn found(
     (sampled, full, alone): (&Sampling, &Fitted, &Fitted),
     last: &Fitted,
 ) -> Found {
-    let noise = Noise::of(readings, last, sampled);
+    let [noise, all] = [last, full].map(|fitted| Noise::of(readings, fitted, sampled));
     let rms = |fitted: &Fitted| (fitted.squares() / readings.len().max(1) as f64).sqrt();
     let (before, left) = (rms(alone), rms(last));
     let period = |(of, period): (usize, &f64)| {
         let apart = last.design.waves.iter().any(|wave| wave.line.of == of && wave.side == Side::Negative);
-        let own = |side: Side| harmonics(sampled, of, last, &noise, if apart { side } else { Side::Both });
+        let lines: Vec<Line> = sampled.lines.iter().copied().filter(|line| line.of == of).collect();
+        let own = |side: Side| {
+            let mut own: Vec<Harmonic> = lines
+                .iter()
+                .map(|line| {
+                    let kept = harmonic(last, &noise, line, if apart { side } else { Side::Both });
+                    // One that is not kept has the scatter that it was compared with, and no value.
+                    let tried = || [side, Side::Both].into_iter().find_map(|side| harmonic(full, &all, line, side));
+                    let dropped = || tried().map(|own| Harmonic { value: [0.0; 2], is_kept: false, ..own });
+                    kept.or_else(dropped).unwrap_or_default()
+                })
+                .collect();
+            own.sort_by_key(|own| own.number);
+            own
+        };
         let coincide = sampled.coincide.iter().filter(|(line, _)| line.of == of);
         Period {
             period: *period,
@@ -198,26 +212,16 @@ fn found(
     }
 }
 
-/// The harmonics of a period that were tried, with the values of one direction.
-fn harmonics(sampled: &Sampling, of: usize, last: &Fitted, noise: &Noise, side: Side) -> Vec<Harmonic> {
-    let own = sampled.lines.iter().filter(|line| line.of == of);
-    let mut all: Vec<Harmonic> = own
-        .map(|line| {
-            let wave = last.design.waves.iter().position(|wave| wave.line == *line && wave.side == side);
-            let none = Harmonic { number: line.number, ..Harmonic::default() };
-            wave.map_or(none, |k| {
-                let columns = [last.column(k), last.column(k) + 1];
-                Harmonic {
-                    value: columns.map(|column| last.solution.values[column]),
-                    standard_error: columns.map(|column| noise.of[k] * last.solution.error_factors[column]),
-                    is_kept: true,
-                    ..none
-                }
-            })
-        })
-        .collect();
-    all.sort_by_key(|own| own.number);
-    all
+/// A harmonic in one direction; `None` if the fit does not have it.
+fn harmonic(fitted: &Fitted, noise: &Noise, line: &Line, side: Side) -> Option<Harmonic> {
+    let wave = fitted.design.waves.iter().position(|wave| wave.line == *line && wave.side == side)?;
+    let columns = [fitted.column(wave), fitted.column(wave) + 1];
+    Some(Harmonic {
+        number: line.number,
+        value: columns.map(|column| fitted.solution.values[column]),
+        standard_error: columns.map(|column| noise.of[wave] * fitted.solution.error_factors[column]),
+        is_kept: true,
+    })
 }
 
 /// The strongest wave of the residual, if it exceeds what noise gives in one of three hundred records.

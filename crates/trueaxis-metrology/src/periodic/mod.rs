@@ -40,6 +40,8 @@ use std::vec::Vec;
 
 /// Most harmonics of a period.
 pub const MOST_HARMONICS: usize = 8;
+/// Most harmonics of a period that are tried where none are stated: as many as a machine has.
+const MOST_TRIED: usize = trueaxis::machine::PERIODIC_HARMONICS;
 /// Fewest periods in a scan.
 pub const LEAST_PERIODS: f64 = 3.0;
 /// Fewest points in a period of the highest harmonic.
@@ -78,7 +80,7 @@ pub struct Harmonic {
     pub number: usize,
     /// a and b, µm or µrad; zero if the harmonic is not kept.
     pub value: [f64; 2],
-    /// Standard errors of a and b.
+    /// Standard errors of a and b; of a harmonic that is not kept, the scatter that it was compared with.
     pub standard_error: [f64; 2],
     /// Whether the harmonic exceeds its scatter.
     pub is_kept: bool,

@@ -1,6 +1,8 @@
 //! Why a record determines no periodic error.
 
 use core::fmt;
+use std::format;
+use std::string::String;
 
 /// What a harmonic cannot be told from at equidistant points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,69 +89,78 @@ pub enum PeriodicRefusal {
     },
 }
 
-/// A length to four digits at most.
-struct Short(f64);
+/// A length to four digits at most, with its unit.
+fn short(length: f64, unit: &str) -> String {
+    let size = if length > 0.0 { length.log10().floor() as i32 } else { 0 };
+    let scale = 10_f64.powi(3 - size);
+    // The reciprocal of a power of ten is not exact: as many decimals as the digits need.
+    let text = format!("{:.*}", (3 - size).clamp(0, 9) as usize, (length * scale).round() / scale);
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if unit.is_empty() { text.into() } else { format!("{text} {unit}") }
+}
 
-impl fmt::Display for Short {
+/// Displayed without units: [`PeriodicRefusal::in_unit`] has them.
+impl fmt::Display for PeriodicRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let size = if self.0 > 0.0 { self.0.log10().floor() as i32 } else { 0 };
-        let scale = 10_f64.powi(3 - size);
-        let rounded = (self.0 * scale).round() / scale;
-        // The reciprocal of a power of ten is not exact: as many decimals as the digits need.
-        let text = std::format!("{rounded:.*}", (3 - size).clamp(0, 9) as usize);
-        f.write_str(if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text })
+        f.write_str(&self.in_unit(""))
     }
 }
 
-/// Displayed without units: the positions' own.
-impl fmt::Display for PeriodicRefusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl AliasOf {
+    fn in_unit(self, unit: &str) -> String {
+        match self {
+            AliasOf::Constant => "a constant".into(),
+            AliasOf::Harmonic { period, number } => format!("harmonic {number} of the period {}", short(period, unit)),
+            AliasOf::Wave(length) => format!("a wave of {}", short(length, unit)),
+        }
+    }
+}
+
+impl PeriodicRefusal {
+    /// Returns the sentence, with the unit of the positions.
+    pub fn in_unit(&self, unit: &str) -> String {
+        let of = |length: f64| short(length, unit);
         match *self {
-            PeriodicRefusal::NotAPeriod { found } => write!(f, "found a period of {found}, needed one above 0"),
-            PeriodicRefusal::NotAReading { .. } => f.write_str("found a value that is not finite, needed numbers"),
+            PeriodicRefusal::NotAPeriod { found } => format!("found a period of {found}, needed one above 0"),
+            PeriodicRefusal::NotAReading { .. } => "found a value that is not finite, needed numbers".into(),
             PeriodicRefusal::TooMany { found } => {
-                write!(f, "found {found} harmonics, needed 1 to {}", super::MOST_HARMONICS)
+                format!("found {found} harmonics, needed 1 to {}", super::MOST_HARMONICS)
             }
-            PeriodicRefusal::TooShort { period, length } => write!(
-                f,
-                "found positions over {}, needed {} at least, three periods of {period}",
-                Short(length),
-                Short(super::LEAST_PERIODS * period)
+            PeriodicRefusal::TooShort { period, length } => format!(
+                "found positions over {}, needed {} at least, three periods of {}",
+                of(length),
+                of(super::LEAST_PERIODS * period),
+                of(period)
             ),
-            PeriodicRefusal::TooCoarse { period, number, spacing } => write!(
-                f,
-                "found points {} apart in the mean, needed {} at most: four in a period of harmonic {number} of {period}",
-                Short(spacing),
-                Short(needed(period, number))
+            PeriodicRefusal::TooCoarse { period, number, spacing } => format!(
+                "found points {} apart in the mean, needed {} at most: four in a period of harmonic {number} of {}",
+                of(spacing),
+                of(needed(period, number)),
+                of(period)
             ),
-            PeriodicRefusal::Aliased { period, number, spacing, of } => {
-                write!(
-                    f,
-                    "found points every {}, at which harmonic {number} of the period {period} looks like ",
-                    Short(spacing)
-                )?;
-                match of {
-                    AliasOf::Constant => f.write_str("a constant")?,
-                    AliasOf::Harmonic { period, number } => write!(f, "harmonic {number} of the period {period}")?,
-                    AliasOf::Wave(length) => write!(f, "a wave of {}", Short(length))?,
-                }
-                write!(f, ", needed points every {} at most", Short(needed(period, number)))
-            }
+            PeriodicRefusal::Aliased { period, number, spacing, of: alias } => format!(
+                "found points every {}, at which harmonic {number} of the period {} looks like {}, needed points every {} at most",
+                of(spacing),
+                of(period),
+                alias.in_unit(unit),
+                of(needed(period, number))
+            ),
             PeriodicRefusal::TooClose { periods: [one, other], length } => {
                 let apart = (1.0 / one - 1.0 / other).abs();
-                write!(f, "found the periods {one} and {other} over {}, needed ", Short(length))?;
-                if apart > 0.0 {
-                    write!(f, "{} at least to separate them", Short(1.0 / apart))
-                } else {
-                    f.write_str("two that differ")
-                }
+                let needed = match apart > 0.0 {
+                    true => format!("{} at least to separate them", of(1.0 / apart)),
+                    false => "two that differ".into(),
+                };
+                format!("found the periods {} and {} over {}, needed {needed}", of(one), of(other), of(length))
             }
-            PeriodicRefusal::TooFew { found, needed } => write!(f, "found {found} readings, needed {needed} at least"),
-            PeriodicRefusal::Unseparated { period, number } => write!(
-                f,
-                "found positions that do not separate harmonic {number} of the period {period} from the slow error, needed points \
-                 at most {} apart throughout",
-                Short(needed(period, number))
+            PeriodicRefusal::TooFew { found, needed } => {
+                format!("found {found} readings, needed {needed} at least")
+            }
+            PeriodicRefusal::Unseparated { period, number } => format!(
+                "found positions that do not separate harmonic {number} of the period {} from the slow error, needed points at \
+                 most {} apart throughout",
+                of(period),
+                of(needed(period, number))
             ),
         }
     }
