@@ -9,13 +9,13 @@ const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
 /// A machine whose X has a slow error and two periods, the longer one different in the two directions.
 fn machine(folder: &Folder, name: &str, chain: &str, periods: &str) {
     folder.write(
-        &format!("{name}/machine.toml"),
+        format!("{name}/machine.toml"),
         format!(
             "name = \"screws\"\nchain = \"{chain}\"\n\n[axis.X]\ntable = \"x.csv\"\ntravel_mm = [0.0, 400.0]\nbacklash_um = 3.0\n\
              {periods}\n[axis.Y]\ntravel_mm = [0.0, 300.0]\n\n[axis.Z]\ntravel_mm = [0.0, 200.0]\n"
         ),
     );
-    folder.write(&format!("{name}/x.csv"), "X_mm,EXX_um\n0,0\n80,4\n160,3\n240,9\n320,5\n400,6\n");
+    folder.write(format!("{name}/x.csv"), "X_mm,EXX_um\n0,0\n80,4\n160,3\n240,9\n320,5\n400,6\n");
 }
 
 const PERIODS: &str = "\n[[axis.X.periodic]]\nperiod_mm = 5.0\nharmonics_um = [[1.9, -0.4], [0.3, 0.2]]\n\
@@ -32,9 +32,9 @@ fn near(found: &serde_json::Value, truth: [f64; 2], within: f64) {
 #[test]
 fn a_rehearsal_finds_the_periods_of_the_true_machine() {
     let folder = Folder::new(TRUEAXIS);
-    for (name, chain) in [("tool", "Y' T X Z"), ("table", "X' Y' T Z")] {
+    for (name, chain) in [("tool", "w Y' b X Z t"), ("table", "w X' Y' b Z t")] {
         machine(&folder, name, chain, PERIODS);
-        folder.run(&[
+        folder.good(&[
             "periodic",
             "simulate",
             "--machine",
@@ -75,11 +75,11 @@ fn a_rehearsal_finds_the_periods_of_the_true_machine() {
 #[test]
 fn found_periods_are_written_and_correct_the_machine() {
     let folder = Folder::new(TRUEAXIS);
-    machine(&folder, "true", "Y' T X Z", PERIODS);
-    machine(&folder, "mill", "Y' T X Z", "");
+    machine(&folder, "true", "w Y' b X Z t", PERIODS);
+    machine(&folder, "mill", "w Y' b X Z t", "");
     let scan = |seed: &str, more: &[&str]| {
         let all = ["periodic", "simulate", "--machine", "true", "--axis", "X", "--seed", seed, "-o", "scan.csv"];
-        folder.run(&[&all, more].concat());
+        folder.good(&[&all, more].concat());
     };
     let evaluate = |more: &[&str]| {
         let all = ["periodic", "scan.csv", "--axis", "X", "--period-mm", "5", "--period-mm", "1.25", "--json"];
@@ -115,10 +115,10 @@ fn found_periods_are_written_and_correct_the_machine() {
 #[test]
 fn what_is_written_needs_a_machine_and_a_coarse_table() {
     let folder = Folder::new(TRUEAXIS);
-    machine(&folder, "mill", "Y' T X Z", "");
-    machine(&folder, "true", "Y' T X Z", PERIODS);
-    folder.run(&["periodic", "simulate", "--machine", "true", "--axis", "X", "--one-way", "-o", "scan.csv"]);
-    let refused = |more: &[&str]| folder.refused(&[&["periodic", "scan.csv", "--axis", "X"], more].concat());
+    machine(&folder, "mill", "w Y' b X Z t", "");
+    machine(&folder, "true", "w Y' b X Z t", PERIODS);
+    folder.good(&["periodic", "simulate", "--machine", "true", "--axis", "X", "--one-way", "-o", "scan.csv"]);
+    let refused = |more: &[&str]| folder.bad(&[&["periodic", "scan.csv", "--axis", "X"], more].concat(), &[]);
     assert!(refused(&["--period-mm", "5", "--dry-run"]).contains("--dry-run: found no machine"));
     let rows: String = (0..=200).fold(String::from("X_mm,EXX_um\n"), |mut text, k| {
         let _ = writeln!(text, "{},{}", 2 * k, (0.7 * f64::from(k)).sin());
@@ -142,7 +142,7 @@ fn records_that_determine_nothing_are_refused_with_what_is_needed() {
     let wave = |q: f64| (TAU * q / 5.0).cos() + 0.1 * (9.0 * q).sin();
     folder.write("fine.csv", scan(0.2, 300, "position_mm,error_um", |q| format!("{q:.1},{:.4}", wave(q))));
     folder.write("coarse.csv", scan(5.0, 30, "position_mm,error_um", |q| format!("{q},{:.4}", wave(q) + 0.01 * q)));
-    let refused = |record: &str, more: &[&str]| folder.refused(&[&["periodic", record, "--axis", "X"], more].concat());
+    let refused = |record: &str, more: &[&str]| folder.bad(&[&["periodic", record, "--axis", "X"], more].concat(), &[]);
     let coarse = refused("coarse.csv", &["--period-mm", "5"]);
     let aliased = "coarse.csv: found points every 5 mm, at which harmonic 1 of the period 5 mm looks like a constant, \
                    needed points every 1.25 mm at most";
@@ -176,7 +176,7 @@ fn a_worm_is_found_in_two_columns() {
     let found = folder.json(&["periodic", "worm.csv", "--axis", "C", "--period-deg", "4", "--json"]);
     near(&found["periods"][0]["harmonics"][0], [0.0, 8.0], 0.02);
     assert!(found["periods"][0]["reverse"].is_null() && found["unit"] == "deg" && found["error_unit"] == "urad");
-    let text = folder.run(&["periodic", "worm.csv", "--axis", "C", "--period-deg", "4"]);
+    let text = folder.good(&["periodic", "worm.csv", "--axis", "C", "--period-deg", "4"]);
     assert!(text.contains("µrad repeat within 4 deg"), "{text}");
 }
 
@@ -184,8 +184,8 @@ fn a_worm_is_found_in_two_columns() {
 #[test]
 fn a_ballbar_finds_the_periods_of_both_axes() {
     let folder = Folder::new(TRUEAXIS);
-    machine(&folder, "true", "Y' T X Z", PERIODS.split("\n[[axis.X.periodic]]\nperiod_mm = 1.25").next().unwrap());
-    folder.run(&[
+    machine(&folder, "true", "w Y' b X Z t", PERIODS.split("\n[[axis.X.periodic]]\nperiod_mm = 1.25").next().unwrap());
+    folder.good(&[
         "ballbar",
         "simulate",
         "--machine",

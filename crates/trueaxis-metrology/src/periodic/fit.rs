@@ -224,11 +224,13 @@ fn harmonic(fitted: &Fitted, noise: &Noise, line: &Line, side: Side) -> Option<H
     })
 }
 
-/// The strongest wave of the residual, if it exceeds what noise gives in one of three hundred records.
+/// The strongest wave of the residual, if it exceeds what noise gives in one of three hundred records. Waves of two of the
+/// longest period and more are the slow error's.
 fn remains(readings: &[Reading], last: &Fitted, sampled: &Sampling, white: f64) -> Option<Left> {
     let positions: Vec<f64> = readings.iter().map(|own| own.own.position).collect();
     let spectrum = spectrum(&positions, &last.residual, sampled.length, sampled.spacing);
-    let lines = spectrum.frequency.iter().zip(&spectrum.amplitude);
+    let longest = sampled.lines.iter().map(|line| line.period).fold(0.0, f64::max);
+    let lines = spectrum.frequency.iter().zip(&spectrum.amplitude).filter(|(at, _)| **at * 2.0 * longest > 1.0);
     let (frequency, amplitude) = lines.max_by(|a, b| a.1.total_cmp(b.1))?;
     // A power of white noise is exponential: the largest of N exceeds ln(N/p) times its mean with the chance p.
     let power = amplitude.powi(2) * readings.len() as f64 / 4.0;

@@ -173,6 +173,6 @@ pub struct Found {
     pub degrees_of_freedom: usize,
     /// Largest factor by which the residual's power near a harmonic widens its standard errors; 1 for white noise.
     pub widened: f64,
-    /// The strongest wave of the residual, if noise does not explain it.
+    /// The strongest wave of the residual shorter than two of the longest period, if noise does not explain it.
     pub remains: Option<Left>,
 }
