@@ -112,6 +112,18 @@ fn found_periods_are_written_and_correct_the_machine() {
     }
 }
 
+/// A scan in positive travel says nothing of the other direction, whose stated harmonics stay.
+#[test]
+fn a_direction_that_was_not_travelled_keeps_its_harmonics() {
+    let folder = Folder::new(TRUEAXIS);
+    machine(&folder, "true", "w Y' b X Z t", PERIODS);
+    machine(&folder, "mill", "w Y' b X Z t", &PERIODS.replace("1.9, -0.4", "0.5, 0.0"));
+    folder.good(&["periodic", "simulate", "--machine", "true", "--axis", "X", "--one-way", "-o", "scan.csv"]);
+    folder.good(&["periodic", "scan.csv", "--axis", "X", "--period-mm", "5", "-o", "mill"]);
+    let text = folder.read("mill/machine.toml");
+    assert!(text.contains("reverse_um = [[1.4, -0.6], [0.3, 0.2]]") && !text.contains("0.5, 0.0"), "{text}");
+}
+
 #[test]
 fn what_is_written_needs_a_machine_and_a_coarse_table() {
     let folder = Folder::new(TRUEAXIS);

@@ -30,6 +30,8 @@ pub struct FoundPeriod {
     pub harmonics: Harmonics,
     /// Harmonics in negative travel; empty: as in positive travel.
     pub reverse: Harmonics,
+    /// Whether the record travels in negative direction only, or in positive only; `None`: in both.
+    pub one_way: Option<bool>,
     /// Standard uncertainty of a coefficient.
     pub uncertainty: f64,
     /// Degrees of freedom of the uncertainty.
@@ -86,18 +88,25 @@ impl FoundPeriod {
         Some(Stated { harmonics: list("harmonics"), reverse: list("reverse"), uncertainty })
     }
 
-    /// Found harmonics in total: a residual is added to the stated ones.
+    /// Found harmonics in total: a residual is added to the stated ones, and a direction that was not travelled keeps its own.
     fn total(&self, stated: Option<&Stated>) -> [Harmonics; 2] {
-        let Some(stated) = stated.filter(|_| self.on_top) else {
-            return [self.harmonics.clone(), self.reverse.clone()];
-        };
-        let add = |a: &[[f64; 2]], b: &[[f64; 2]]| joined(a, b, |a, b| a + b);
-        let two_sided = !stated.reverse.is_empty() || !self.reverse.is_empty();
-        let of = |forward: &Harmonics, reverse: &Harmonics| {
+        let found = [self.harmonics.clone(), self.reverse.clone()];
+        let Some(stated) = stated else { return found };
+        let either = |forward: &Harmonics, reverse: &Harmonics| {
             if reverse.is_empty() { forward.clone() } else { reverse.clone() }
         };
-        let reverse = add(&of(&stated.harmonics, &stated.reverse), &of(&self.harmonics, &self.reverse));
-        [add(&stated.harmonics, &self.harmonics), if two_sided { reverse } else { Vec::new() }]
+        let on_top = |own: Harmonics, stated: &Harmonics| {
+            if self.on_top { joined(&own, stated, |own, stated| own + stated) } else { own }
+        };
+        let [forward, reverse] = [&stated.harmonics, &either(&stated.harmonics, &stated.reverse)];
+        match self.one_way {
+            Some(true) if !stated.reverse.is_empty() => [forward.clone(), on_top(found[0].clone(), reverse)],
+            Some(false) if !stated.reverse.is_empty() => [on_top(found[0].clone(), forward), reverse.clone()],
+            _ if self.reverse.is_empty() && (!self.on_top || stated.reverse.is_empty()) => {
+                [on_top(found[0].clone(), forward), Vec::new()]
+            }
+            _ => [on_top(found[0].clone(), forward), on_top(either(&found[0], &found[1]), reverse)],
+        }
     }
 
     /// The weight of the found coefficients in the written ones, `None` to write nothing, and why.

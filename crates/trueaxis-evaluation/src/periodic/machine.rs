@@ -10,6 +10,8 @@ impl Test {
     /// what they leave.
     pub fn additions(&self, compensated: bool) -> Additions {
         let found = &self.found;
+        let travelled = [false, true].map(|side| self.readings.iter().any(|own| own.own.is_negative == side));
+        let one_way = (travelled != [true; 2]).then_some(travelled[1]);
         let of_period = |own: &trueaxis_metrology::periodic::Period| {
             let own = PeriodFound::new(own, found.degrees_of_freedom as f64);
             FoundPeriod {
@@ -17,6 +19,7 @@ impl Test {
                 period: own.period,
                 harmonics: own.harmonics,
                 reverse: own.reverse.unwrap_or_default(),
+                one_way,
                 uncertainty: own.standard_uncertainty,
                 degrees_of_freedom: found.degrees_of_freedom,
                 on_top: compensated,
