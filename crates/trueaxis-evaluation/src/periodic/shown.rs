@@ -5,8 +5,8 @@ use crate::shown::{Cell, Curve, EXPANDED, Look, Plot, Shown, Table, Uncertainty,
 use trueaxis_metrology::periodic::{Period, spectrum};
 use trueaxis_report::number::significant;
 
-/// Most points of a plot.
-const POINTS: usize = 3000;
+/// Most points of a plot of points: a page draws no more.
+const POINTS: usize = 200;
 /// Indices of the curves' colours.
 const MEASURED: usize = 8;
 const FIT: usize = 6;
@@ -95,7 +95,7 @@ impl Test {
         Plot {
             section: "Error within a period",
             title: format!("Period of {} {unit}{travel}", own.period),
-            x: ("position within the period".into(), unit),
+            x: (format!("position within {} {unit}{travel}", own.period), unit),
             y: ("error", micro),
             look: Look::Points,
             caption: "Readings less the slow error and other periods, the harmonics fitted, and what is left.",
@@ -111,14 +111,13 @@ impl Test {
 
     /// The residual along the axis.
     fn along(&self, micro: &'static str) -> Plot {
-        let kept: Vec<usize> = some(self.readings.len()).collect();
-        let positions: Vec<f64> = kept.iter().map(|k| self.readings[*k].own.position).collect();
+        let positions: Vec<f64> = self.readings.iter().map(|own| own.own.position).collect();
         let (at, order) = Plot::ascending(&positions);
         let of = |is_negative: bool| -> Vec<f64> {
             let value = |k: usize| {
                 if self.readings[k].own.is_negative == is_negative { self.found.residual[k] } else { f64::NAN }
             };
-            order.iter().map(|own| value(kept[*own])).collect()
+            order.iter().map(|k| value(*k)).collect()
         };
         let sides = [(false, "positive travel", 0), (true, "negative travel", 1)];
         let there = sides.iter().filter(|(side, ..)| self.readings.iter().any(|own| own.own.is_negative == *side));
@@ -127,7 +126,6 @@ impl Test {
             title: "Residual along the axis".into(),
             x: ("position".into(), self.options.unit()),
             y: ("residual", micro),
-            look: Look::Points,
             caption: "Readings less slow error and harmonics.",
             at,
             curves: there.map(|(side, name, colour)| Curve::new(*name, *colour, of(*side))).collect(),
