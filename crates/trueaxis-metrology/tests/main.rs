@@ -9,6 +9,7 @@ mod circles_nist;
 mod friction;
 #[cfg(feature = "std")]
 mod limacon;
+mod periodic;
 mod plant;
 mod resonance;
 mod thermal;

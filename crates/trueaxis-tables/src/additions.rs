@@ -9,6 +9,7 @@ use crate::finding::{self, Decision, Finding, Fit, Why};
 use crate::formats::write_axis_csv_known;
 use crate::limits::widened;
 use crate::origin::Origin;
+use crate::periods::{self, FoundPeriod};
 use crate::read::{Current, path_from};
 use crate::text::micro;
 use crate::uncertainty::Uncertainties;
@@ -33,6 +34,8 @@ pub struct Additions {
     pub curves: Vec<(Axis, Points)>,
     /// Findings of a test; [`finding::decide`] decides which are written.
     pub findings: Vec<Finding>,
+    /// Periods of axes; [`FoundPeriod`] says how each is decided.
+    pub periods: Vec<FoundPeriod>,
     /// Residual of the test's fit; with a misfit no finding is written.
     pub fit: Option<Fit>,
     /// Number of the record that the findings are based on ([`finding::record_number`]); `None`: the record has no number.
@@ -65,7 +68,7 @@ impl Additions {
 
     fn decided(&self, before: &Machine, known: &Uncertainties, document: &DocumentMut) -> Vec<Decision> {
         let misfit = self.fit.and_then(|fit| fit.misfit(known.reading()));
-        let again = self.record.as_ref().is_some_and(|record| known.records.contains(record));
+        let again = self.is_again(known);
         let below = |key: &str, written: &finding::Known| {
             let axis = finding::axis_of(key).and_then(|axis| before.settings.axis(axis));
             let hysteresis = axis.map_or(0.0, |own| micro(own.axis, own.hysteresis));
@@ -94,6 +97,11 @@ impl Additions {
         };
         let mut decisions: Vec<Decision> = self.findings.iter().map(decision).collect();
         finding::together(&self.findings, &mut decisions);
+        let why = |on_top: bool| match &misfit {
+            Some(left) => Some(Why::Misfit(left.clone())),
+            None => (again && (self.compensated || on_top)).then_some(Why::SameRecord),
+        };
+        decisions.extend(self.periods.iter().map(|own| own.decided(document, !again, why(own.on_top))));
         for own in decisions.iter_mut().filter(|_| self.force && !(again && self.compensated)) {
             if below(&own.key, &own.found) {
                 (own.written, own.why) = (None, Why::OverCompensated);
@@ -102,6 +110,11 @@ impl Additions {
             }
         }
         decisions
+    }
+
+    /// Whether the machine includes the record already.
+    fn is_again(&self, known: &Uncertainties) -> bool {
+        self.record.as_ref().is_some_and(|record| known.records.contains(record))
     }
 
     /// The changes that add the errors to a machine; `name` is that of its `machine.toml`. Comments, order and all other
@@ -118,6 +131,15 @@ impl Additions {
         let mut document = editable(&current.text, &origin)?;
         let mut edited = Edited { files: Vec::new(), notes: Vec::new() };
         let decisions = self.decided(&before, &known, &document);
+        for (period, decision) in self.periods.iter().zip(&decisions[self.findings.len()..]) {
+            edited.notes.extend(periods::write(
+                period,
+                decision,
+                !self.is_again(&known),
+                &before,
+                (&mut document, &origin),
+            )?);
+        }
         for (axis, curve) in self.curves.iter().chain(&taken_curves(&self.findings, &decisions)) {
             let table = summed(&before, *axis, curve);
             let csv = table_name(*axis, &current, &origin)?;
@@ -209,10 +231,9 @@ fn write(
         }
         Ok(())
     };
-    let mut any = false;
+    let any = decisions.iter().any(|decision| decision.written.is_some());
     for (finding, decision) in findings.iter().zip(decisions) {
         let Some(written) = decision.written else { continue };
-        any = true;
         if finding.curve.is_empty() {
             put(document, &finding.key, Some(Value::from(written.value)))?;
         }

@@ -1,0 +1,231 @@
+//! `trueaxis periodic` as called.
+
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use trueaxis_testing::command::Folder;
+
+const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
+
+/// A machine whose X has a slow error and two periods, the longer one different in the two directions.
+fn machine(folder: &Folder, name: &str, chain: &str, periods: &str) {
+    folder.write(
+        format!("{name}/machine.toml"),
+        format!(
+            "name = \"screws\"\nchain = \"{chain}\"\n\n[axis.X]\ntable = \"x.csv\"\ntravel_mm = [0.0, 400.0]\nbacklash_um = 3.0\n\
+             {periods}\n[axis.Y]\ntravel_mm = [0.0, 300.0]\n\n[axis.Z]\ntravel_mm = [0.0, 200.0]\n"
+        ),
+    );
+    folder.write(format!("{name}/x.csv"), "X_mm,EXX_um\n0,0\n80,4\n160,3\n240,9\n320,5\n400,6\n");
+}
+
+const PERIODS: &str = "\n[[axis.X.periodic]]\nperiod_mm = 5.0\nharmonics_um = [[1.9, -0.4], [0.3, 0.2]]\n\
+                       reverse_um = [[1.4, -0.6], [0.3, 0.2]]\n\n[[axis.X.periodic]]\nperiod_mm = 1.25\n\
+                       harmonics_um = [[0.2, 0.15]]\n";
+
+fn near(found: &serde_json::Value, truth: [f64; 2], within: f64) {
+    for (c, truth) in truth.into_iter().enumerate() {
+        assert!((found[c].as_f64().unwrap() - truth).abs() < within, "{found} for {truth}");
+    }
+}
+
+/// The plant's exact transforms make the record; tool and workpiece carried by the axis.
+#[test]
+fn a_rehearsal_finds_the_periods_of_the_true_machine() {
+    let folder = Folder::new(TRUEAXIS);
+    for (name, chain) in [("tool", "w Y' b X Z t"), ("table", "w X' Y' b Z t")] {
+        machine(&folder, name, chain, PERIODS);
+        folder.good(&[
+            "periodic",
+            "simulate",
+            "--machine",
+            name,
+            "--axis",
+            "X",
+            "--drift-um-per-h",
+            "3",
+            "-o",
+            "scan.csv",
+        ]);
+        let found = folder.json(&[
+            "periodic",
+            "scan.csv",
+            "--axis",
+            "X",
+            "--period-mm",
+            "5",
+            "--period-mm",
+            "1.25",
+            "--json",
+            "--report",
+            "out",
+        ]);
+        let [long, short] = [0, 1].map(|k| &found["periods"][k]);
+        near(&long["harmonics"][0], [1.9, -0.4], 0.03);
+        near(&long["harmonics"][1], [0.3, 0.2], 0.03);
+        near(&long["reverse"][0], [1.4, -0.6], 0.03);
+        near(&short["harmonics"][0], [0.2, 0.15], 0.03);
+        assert!(short["reverse"].is_null() && found["explained"].as_f64().unwrap() > 0.95, "{found}");
+        assert!((found["left"].as_f64().unwrap() - 0.1).abs() < 0.01 && found["remains"].is_null(), "{found}");
+        let page = std::fs::read_to_string(folder.join("out/periodic.html")).unwrap();
+        assert!(page.contains("Period of 5 mm, negative travel") && !page.contains("nothing to draw"));
+    }
+}
+
+/// Found on a machine that does not state them, written, and gone in the next scan, which the machine corrects.
+#[test]
+fn found_periods_are_written_and_correct_the_machine() {
+    let folder = Folder::new(TRUEAXIS);
+    machine(&folder, "true", "w Y' b X Z t", PERIODS);
+    machine(&folder, "mill", "w Y' b X Z t", "");
+    let scan = |seed: &str, more: &[&str]| {
+        let all = ["periodic", "simulate", "--machine", "true", "--axis", "X", "--seed", seed, "-o", "scan.csv"];
+        folder.good(&[&all, more].concat());
+    };
+    let evaluate = |more: &[&str]| {
+        let all = ["periodic", "scan.csv", "--axis", "X", "--period-mm", "5", "--period-mm", "1.25", "--json"];
+        folder.json(&[&all, more].concat())
+    };
+    scan("1", &[]);
+    let done = evaluate(&["-o", "mill", "--dry-run"]);
+    assert_eq!(done["written"][0]["why"], "nothing is stated");
+    assert!(!std::fs::read_to_string(folder.join("mill/machine.toml")).unwrap().contains("periodic"));
+    evaluate(&["-o", "mill"]);
+    let text = std::fs::read_to_string(folder.join("mill/machine.toml")).unwrap();
+    assert!(
+        text.contains("[[axis.X.periodic]]") && text.contains("standard_uncertainty_um") && text.contains("records"),
+        "{text}"
+    );
+    assert!(text.contains("backlash_um = 3.0"), "{text}");
+    // The same record again changes nothing; another one becomes a mean with half the weight.
+    let again = evaluate(&["-o", "mill"]);
+    assert_eq!(again["written"][0]["why"], "agrees: this record is already included");
+    scan("2", &[]);
+    let mean = evaluate(&["-o", "mill"]);
+    assert_eq!(mean["written"][0]["why"], "agrees: weighted mean of both");
+    let [one, both] = [&again["written"][0]["old"], &mean["written"][0]["written"]];
+    let ratio = both["uncertainty"].as_f64().unwrap() / one["uncertainty"].as_f64().unwrap();
+    assert!((0.6..0.82).contains(&ratio), "{one} {both}");
+    scan("3", &["--corrected-by", "mill"]);
+    let left = evaluate(&[]);
+    for period in left["periods"].as_array().unwrap() {
+        assert!(period["peak_to_valley"][0].as_f64().unwrap() < 0.1, "{period}");
+    }
+}
+
+/// A scan in positive travel says nothing of the other direction, whose stated harmonics stay.
+#[test]
+fn a_direction_that_was_not_travelled_keeps_its_harmonics() {
+    let folder = Folder::new(TRUEAXIS);
+    machine(&folder, "true", "w Y' b X Z t", PERIODS);
+    machine(&folder, "mill", "w Y' b X Z t", &PERIODS.replace("1.9, -0.4", "0.5, 0.0"));
+    folder.good(&["periodic", "simulate", "--machine", "true", "--axis", "X", "--one-way", "-o", "scan.csv"]);
+    folder.good(&["periodic", "scan.csv", "--axis", "X", "--period-mm", "5", "-o", "mill"]);
+    let text = folder.read("mill/machine.toml");
+    assert!(text.contains("reverse_um = [[1.4, -0.6], [0.3, 0.2]]") && !text.contains("0.5, 0.0"), "{text}");
+}
+
+#[test]
+fn what_is_written_needs_a_machine_and_a_coarse_table() {
+    let folder = Folder::new(TRUEAXIS);
+    machine(&folder, "mill", "w Y' b X Z t", "");
+    machine(&folder, "true", "w Y' b X Z t", PERIODS);
+    folder.good(&["periodic", "simulate", "--machine", "true", "--axis", "X", "--one-way", "-o", "scan.csv"]);
+    let refused = |more: &[&str]| folder.bad(&[&["periodic", "scan.csv", "--axis", "X"], more].concat(), &[]);
+    assert!(refused(&["--period-mm", "5", "--dry-run"]).contains("--dry-run: found no machine"));
+    let rows: String = (0..=200).fold(String::from("X_mm,EXX_um\n"), |mut text, k| {
+        let _ = writeln!(text, "{},{}", 2 * k, (0.7 * f64::from(k)).sin());
+        text
+    });
+    folder.write("mill/x.csv", rows);
+    let fine = refused(&["--period-mm", "5", "-o", "mill"]);
+    assert!(fine.contains("found a table of axis X with points 2 mm apart, needed 2.5 mm at least"), "{fine}");
+}
+
+fn scan(step: f64, count: u32, head: &str, row: impl Fn(f64) -> String) -> String {
+    (0..count).fold(format!("{head}\n"), |mut text, k| {
+        let _ = writeln!(text, "{}", row(step * f64::from(k)));
+        text
+    })
+}
+
+#[test]
+fn records_that_determine_nothing_are_refused_with_what_is_needed() {
+    let folder = Folder::new(TRUEAXIS);
+    let wave = |q: f64| (TAU * q / 5.0).cos() + 0.1 * (9.0 * q).sin();
+    folder.write("fine.csv", scan(0.2, 300, "position_mm,error_um", |q| format!("{q:.1},{:.4}", wave(q))));
+    folder.write("coarse.csv", scan(5.0, 30, "position_mm,error_um", |q| format!("{q},{:.4}", wave(q) + 0.01 * q)));
+    let refused = |record: &str, more: &[&str]| folder.bad(&[&["periodic", record, "--axis", "X"], more].concat(), &[]);
+    let coarse = refused("coarse.csv", &["--period-mm", "5"]);
+    let aliased = "coarse.csv: found points every 5 mm, at which harmonic 1 of the period 5 mm looks like a constant, \
+                   needed points every 1.25 mm at most";
+    assert!(coarse.contains(aliased), "{coarse}");
+    assert!(refused("fine.csv", &["--period-mm", "25"]).contains("needed 75 mm at least, three periods of 25 mm"));
+    let close = refused("fine.csv", &["--period-mm", "5", "--period-mm", "5.1"]);
+    assert!(close.contains("needed 255 mm at least to separate them"), "{close}");
+    assert!(refused("fine.csv", &["--period-mm", "-5"]).contains("--period-mm: found -5, needed 0.001 to 100000 mm"));
+    assert!(refused("fine.csv", &["--period-deg", "5"]).contains("--period-deg: found axis X, needed --period-mm"));
+    assert!(
+        refused("fine.csv", &["--period-mm", "5", "--harmonics", "9"]).contains("found 9 harmonics, needed 1 to 8")
+    );
+    let circle = ["--period-mm", "5", "--radius-mm", "100", "--centre-mm", "0,0,0"];
+    assert!(refused("fine.csv", &circle).contains("needed the columns angle_deg, deviation_um, direction"));
+    folder.write("zero.csv", "position_mm,error_um,direction\n0,1,fwd\n1,2,0\n");
+    let zero = refused("zero.csv", &["--period-mm", "5"]);
+    assert!(zero.contains("zero.csv:3: column direction: found 0, needed 1, + or fwd"), "{zero}");
+    folder.write("other.csv", "position_mm,fwd_um\n0,1\n");
+    let other = refused("other.csv", &["--period-mm", "5"]);
+    assert!(other.contains("needed the columns position_mm, error_um, or position_mm, fwd_um, rev_um; for"), "{other}");
+}
+
+/// A rotary axis, both directions in columns.
+#[test]
+fn a_worm_is_found_in_two_columns() {
+    let folder = Folder::new(TRUEAXIS);
+    let wave = |q: f64, sense: f64| 8.0 * (TAU * q / 4.0).sin() + sense + 0.05 * (77.0 * q + sense).sin();
+    let text =
+        scan(0.5, 721, "position_deg,fwd_urad,rev_urad", |q| format!("{q},{:.4},{:.4}", wave(q, 2.0), wave(q, -2.0)));
+    folder.write("worm.csv", text);
+    let found = folder.json(&["periodic", "worm.csv", "--axis", "C", "--period-deg", "4", "--json"]);
+    near(&found["periods"][0]["harmonics"][0], [0.0, 8.0], 0.02);
+    assert!(found["periods"][0]["reverse"].is_null() && found["unit"] == "deg" && found["error_unit"] == "urad");
+    let text = folder.good(&["periodic", "worm.csv", "--axis", "C", "--period-deg", "4"]);
+    assert!(text.contains("µrad repeat within 4 deg"), "{text}");
+}
+
+/// A ballbar on the exact machine: the chirp gives the same harmonics as the scan.
+#[test]
+fn a_ballbar_finds_the_periods_of_both_axes() {
+    let folder = Folder::new(TRUEAXIS);
+    machine(&folder, "true", "w Y' b X Z t", PERIODS.split("\n[[axis.X.periodic]]\nperiod_mm = 1.25").next().unwrap());
+    folder.good(&[
+        "ballbar",
+        "simulate",
+        "--machine",
+        "true",
+        "--radius-mm",
+        "120",
+        "--readings",
+        "3600",
+        "--centre-mm",
+        "200,150,100",
+        "-o",
+        "circle.csv",
+    ]);
+    let found = folder.json(&[
+        "periodic",
+        "circle.csv",
+        "--axis",
+        "X",
+        "--period-mm",
+        "5",
+        "--harmonics",
+        "2",
+        "--radius-mm",
+        "120",
+        "--centre-mm",
+        "200,150,100",
+        "--json",
+    ]);
+    near(&found["periods"][0]["harmonics"][0], [1.9, -0.4], 0.06);
+    near(&found["periods"][0]["reverse"][0], [1.4, -0.6], 0.06);
+}
