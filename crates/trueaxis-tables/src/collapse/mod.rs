@@ -158,7 +158,9 @@ pub fn collapse(machine: &Machine, options: &CollapseOptions) -> Result<Collapse
         collapsed.tables[slot] = None;
         collapsed.settings.axes[slot].measured_at_mm = [0.0; 3];
     }
-    let of_rotary_axes = with_nine_terms(&collapsed, |tip| tip(&volume.position([0.0; 3]), &[0.0; AXES]))
+    let mut without_periods = collapsed.clone();
+    without_periods.settings.periodic.clear();
+    let of_rotary_axes = with_nine_terms(&without_periods, |tip| tip(&volume.position([0.0; 3]), &[0.0; AXES]))
         .map_err(CollapseError::Config)?;
 
     let mut without_backlash = without_separate_settings(&target, &volume);

@@ -43,7 +43,9 @@ impl Period {
         let of = |pairs: &[[f64; 2]]| pairs.iter().map(|pair| pair.map(|figure| figure * unit)).collect::<Vec<_>>();
         let forward = of(&settings.harmonics);
         let reverse = if settings.reverse.is_empty() { forward.clone() } else { of(&settings.reverse) };
-        Period { length: settings.period, forward, reverse }
+        let turn = 360.0 / (360.0 / settings.period).round();
+        let length = if settings.axis.is_rotary() { turn } else { settings.period };
+        Period { length, forward, reverse }
     }
 
     fn at(&self, q: f64, reverse: f64) -> f64 {

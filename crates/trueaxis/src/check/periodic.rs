@@ -4,8 +4,8 @@ use super::need;
 use crate::error::{ConfigError, Field};
 use crate::machine::{Axis, Link, MachineSettings, PeriodicSettings, is_turned};
 
-/// Largest difference of a turn from whole periods, as a share of a period.
-const WHOLE: f64 = 1e-6;
+/// Largest difference of a turn from whole periods, as a share of a period: decimals are rounded.
+const WHOLE: f64 = 1e-3;
 
 /// Checks the axis and the form of every period.
 ///

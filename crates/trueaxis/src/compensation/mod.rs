@@ -248,7 +248,10 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
             }
             Model::Volumetric(volumetric) => volumetric.pose_error(query, clamped),
         };
-        let pose = self.with_periods(query, pose);
+        let pose = match self.periods() {
+            None => pose,
+            Some(periods) => self.with_periods(periods, query, pose),
+        };
         let Some(grids) = self.grids() else { return pose };
         let (tip, turn) = self.of_grids(grids, query.command, clamped);
         PoseError {
@@ -257,24 +260,20 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         }
     }
 
-    /// Adds the periods of the slides to a pose of the volumetric form; that of the nine terms includes them.
-    #[inline(always)]
-    fn with_periods(&self, query: &Query<'_, R, N>, pose: PoseError<R>) -> PoseError<R> {
-        match (self.model(), self.periods()) {
-            (Model::Volumetric(_), Some(periods)) => {
-                let mut errors = [R::ZERO; N];
-                periods.add_to(&self.positions(query.command), query.directions, &mut errors);
-                let tip = errors.first_chunk().copied().unwrap_or_default();
-                PoseError { tip: (V3::from_glam(pose.tip) + V3::from(tip)).glam(), ..pose }
-            }
-            _ => pose,
-        }
+    /// Adds the periods to a pose.
+    // Only with periods.
+    #[inline(never)]
+    fn with_periods(&self, periods: &Periods<'a, R>, query: &Query<'_, R, N>, pose: PoseError<R>) -> PoseError<R> {
+        let mut errors = [R::ZERO; N];
+        periods.add_to(&self.positions(query.command), query.directions, &mut errors);
+        let tip = errors.first_chunk().copied().unwrap_or_default();
+        PoseError { tip: (V3::from_glam(pose.tip) + V3::from(tip)).glam(), ..pose }
     }
 
     /// The wanted correction `r`, with which the pose at `q + r`, errors included, is the ideal pose at `q`.
     ///
     /// mm, rotary axes in degrees. Nine terms: `r ← −E(q + r)` from `r = 0`, [`NineTerms::correction`]; volumetric:
-    /// [`Volumetric::correction`]; both include the grids. Errors looked up at the feedback need no inverse and are
+    /// [`Volumetric::correction`]; both include grids and periods. Errors looked up at the feedback need no inverse and are
     /// used as read.
     #[inline(always)]
     pub fn correction(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> [R; N] {

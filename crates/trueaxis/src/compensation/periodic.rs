@@ -57,7 +57,7 @@ impl<'a, R: Real> Wave<'a, R> {
         enough(memory.len(), needed)?;
         let (lines, rest) = memory.split_at_mut_checked(needed).unwrap_or_default();
         let lines = lines.as_chunks_mut::<4>().0;
-        let width = settings.period / count as f64;
+        let width = settings.length() / count as f64;
         for (block, negative) in lines.chunks_mut(count).zip([false, true]) {
             for (index, cell) in block.iter_mut().enumerate() {
                 let [[e0, d0], [e1, d1]] = [index, index + 1].map(|node| {
@@ -80,6 +80,8 @@ impl<'a, R: Real> Wave<'a, R> {
         let whole = place.to_i32();
         let rest = place - R::of_i32(whole);
         let (whole, t) = if rest < R::ZERO { (whole.wrapping_sub(1), rest + R::ONE) } else { (whole, rest) };
+        // Beyond 2³¹ cells, where the whole part saturates.
+        let t = t.limit(R::ZERO, R::ONE);
         let start = usize::from(self.reverse_offset) & reverse.mask();
         let index = (whole as usize & usize::from(self.mask)).wrapping_add(start);
         let Some([k0, k1, k2, k3]) = self.cells.get(index) else { return R::ZERO };

@@ -21,7 +21,7 @@ pub const PERIODIC_HARMONICS: usize = 6;
 pub struct PeriodicSettings {
     /// The axis.
     pub axis: Axis,
-    /// Period P, mm (deg); a whole number of periods of a rotary axis makes a turn.
+    /// Period P, mm (deg). On a rotary axis that part of a turn which is nearest: [`PeriodicSettings::length`].
     pub period: f64,
     /// `[a_h, b_h]` of the harmonics 1, 2, … in positive travel, and in negative travel unless `reverse` states others.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
@@ -35,6 +35,11 @@ impl PeriodicSettings {
     /// Harmonics in one direction of travel.
     pub fn travelling(&self, negative: bool) -> &[[f64; 2]] {
         if negative && self.is_two_sided() { &self.reverse } else { &self.harmonics }
+    }
+
+    /// Length of a period, mm (deg): of a rotary axis the whole part of a turn that is nearest to `period`.
+    pub fn length(&self) -> f64 {
+        if self.axis.is_rotary() { 360.0 / libm::round(360.0 / self.period) } else { self.period }
     }
 
     /// Whether the directions of travel differ.
@@ -51,7 +56,7 @@ impl PeriodicSettings {
     pub fn error_and_slope(&self, position: f64, negative: bool) -> [f64; 2] {
         let [mut error, mut slope] = [0.0; 2];
         for (number, [a, b]) in (1..).map(f64::from).zip(self.travelling(negative)) {
-            let rate = TAU * number / self.period;
+            let rate = TAU * number / self.length();
             let (sin, cos) = libm::sincos(rate * position);
             error += a * cos + b * sin;
             slope += rate * (b * cos - a * sin);
@@ -79,7 +84,7 @@ impl PeriodicSettings {
 
     fn sum(&self, harmonics: &[[f64; 2]], order: i32) -> f64 {
         let amplitudes = harmonics.iter().map(|[a, b]| libm::hypot(*a, *b));
-        let rates = (1..).map(f64::from).map(|number| TAU * number / self.period);
+        let rates = (1..).map(f64::from).map(|number| TAU * number / self.length());
         amplitudes.zip(rates).map(|(amplitude, rate)| (0..order).fold(amplitude, |sum, _| sum * rate)).sum()
     }
 }

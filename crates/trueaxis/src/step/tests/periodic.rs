@@ -1,6 +1,7 @@
 //! Errors that repeat within a period, compared with the sum of their harmonics and the fixed point of the inverse.
 
 use super::{PERIOD_NS, T};
+use crate::compensation::{Compensation, Direction, Query, ThermalLine, requirement};
 use crate::contour::{Method, Path, Segment, convert};
 use crate::machine::{Axis, ErrorModel, GridAxis, GridData, GridHeader, MachineSettings, PeriodicSettings, Row};
 use crate::position::{Nanometres, Position};
@@ -94,8 +95,20 @@ fn deviation<R: Real, P: Position, const N: usize>(
     slot: usize,
     error: impl Fn(f64, bool) -> f64,
 ) -> f64 {
+    deviation_from(servo, slot, -97.0, error)
+}
+
+/// [`deviation`] from a start.
+fn deviation_from<R: Real, P: Position, const N: usize>(
+    servo: &ServoLoop<'_, R, P, N>,
+    slot: usize,
+    start: f64,
+    error: impl Fn(f64, bool) -> f64,
+) -> f64 {
     let mut state = servo.start();
-    let (mut at, mut worst) = ([-97.0; N], 0.0_f64);
+    let mut at = [-97.0; N];
+    at[slot] = start;
+    let mut worst = 0.0_f64;
     for (speed, cycles) in [(100.0, 5_000), (-100.0, 5_000), (-1.0, 2_000)] {
         for cycle in 0..cycles {
             at[slot] += speed * T;
@@ -147,7 +160,13 @@ fn a_worm_of_a_rotary_axis_is_corrected_in_the_sense_of_its_table() {
         five.periodic.push(period(Axis::C, WORM)).unwrap();
         // An axis that carries the workpiece turns the other way by default, and so does its error.
         let error = |q, negative| sense * sum(WORM, q, negative);
-        assert!(deviation(loop_of::<f64, f64, 5>(five, &[]), 4, error) < 1e-6, "{chain}");
+        assert!(deviation(loop_of::<f64, f64, 5>(five.clone(), &[]), 4, error) < 1e-6, "{chain}");
+        // The same many turns later, in single precision too.
+        let far = 3.6e6 - 97.0;
+        five.axes[4].travel = [-1e9, 1e9];
+        five.axes[4].joint = [-1e9 - 1.0, 1e9 + 1.0];
+        assert!(deviation_from(loop_of::<f64, f64, 5>(five.clone(), &[]), 4, far, error) < 1e-6, "{chain}");
+        assert!(deviation_from(loop_of::<f32, f64, 5>(five, &[]), 4, far, error) < 1e-6, "{chain}");
     }
 }
 
@@ -182,4 +201,25 @@ fn without_table_a_period_alone_is_corrected() {
     let mut machine = Machine::three_axis().travel([-200.0, 200.0], 0.2).settings();
     machine.periodic.push(period(Axis::Y, SCREW)).unwrap();
     assert!(deviation(loop_of::<f64, f64, 3>(machine, &[]), 1, |q, negative| sum(SCREW, q, negative)) < 1e-6);
+}
+
+#[test]
+fn the_stateless_pose_is_that_of_the_errors() {
+    for model in [ErrorModel::Nine, ErrorModel::Volumetric] {
+        let machine = machine("w b X Y Z t", model);
+        let table: &'static [Row] = rows([-210.0, 0.0, 210.0], |q| [SLOPE * q, 0.0, 0.0, 0.0, 0.0, 0.0]).leak();
+        let tables = |axis| (axis == Axis::X).then_some(table);
+        let memory = vec![0.0; requirement(&machine, tables)].leak();
+        let built = Compensation::<f64, f64, 3>::build(&machine, tables, &[], 4, memory).unwrap();
+        for (x, negative) in [(-31.3, false), (17.77, true)] {
+            let at = built.coordinates(&[x, 1.0, 2.0]);
+            let (directions, thermal) = ([Direction::of(negative); 3], [ThermalLine::default(); 3]);
+            let query = Query::at(&at, &directions, &thermal);
+            let (errors, pose) = (built.errors(&query, &mut 0), built.pose_error(&query, &mut 0));
+            assert!((errors[0] - pose.tip.x).abs() < 1e-15 && pose.tip.y == 0.0, "{model:?}: {errors:?}, {pose:?}");
+            assert!((errors[0] - of_x(x, negative)).abs() < 1e-7, "{model:?}: {errors:?}");
+            let correction = built.correction(&query, &mut 0)[0];
+            assert!((correction - inverse(|q| of_x(q, negative), x)).abs() < 1e-6, "{model:?}: {correction}");
+        }
+    }
 }
