@@ -573,6 +573,10 @@ fn help_examples_can_be_copied_from_a_narrow_terminal() {
     let (file, _) = shown("calibrate");
     trueaxis_tables::read_toml(&file, Path::new("task.toml"), |_| Ok(())).unwrap();
     let help = folder.good(&["calibrate", "--help"]);
+    let plate = help.split("[[plate]]").nth(1).unwrap().split("\n\n").next().unwrap();
+    let plate = format!("machine = \"mill\"\ndialect = \"linuxcnc\"\n[probe]\ntip_radius_mm = 2.0\n[[plate]]{plate}");
+    let plate = trueaxis_evaluation::calibrate::Task::read(&plate, Path::new("plate.toml")).unwrap();
+    assert_eq!(plate.artefacts[0].places.len(), 4);
     let dial = help.split("in place of touches:\n\n").nth(1).unwrap().split("\n\n").next().unwrap();
     let dial = trueaxis_evaluation::calibrate::Task::read(dial, Path::new("dial.toml")).unwrap();
     assert!(dial.is_read() && dial.artefacts[0].name == "cylinder");

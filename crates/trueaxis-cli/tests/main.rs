@@ -25,6 +25,7 @@ mod kinematics;
 mod learn;
 mod one_at_a_time;
 mod periodic;
+mod plate;
 mod predict;
 mod predict_servo;
 mod ranges;

@@ -249,7 +249,7 @@ fn bad_blocks_are_refused_with_their_line() {
     refused("35.0, 9.0", "35.0, 0.0", &["task.toml:10: key artefact.section_mm", "0.5 to 5000 mm each"]);
     let none = ["task.toml:7: key artefact.uncertainty_um", "or unknown_length = true"];
     refused("uncertainty_um = 0.12\n", "", &none);
-    let unknown = ["task.toml", "cannot separate", "length of block"];
+    let unknown = ["task.toml:7: found a set-up that cannot separate", "length of block"];
     refused("uncertainty_um = 0.12\n", "unknown_length = true\n", &unknown);
     let both = ["task.toml:12: key artefact.uncertainty_um", "either unknown_length or uncertainty_um"];
     refused("uncertainty_um = 0.12", "unknown_length = true\nuncertainty_um = 0.12", &both);

@@ -10,5 +10,7 @@ mod points;
 #[cfg(feature = "simulated")]
 mod predict;
 mod r_test;
+#[cfg(feature = "simulated")]
+mod self_calibration;
 mod shop_tests;
 mod shown_types;

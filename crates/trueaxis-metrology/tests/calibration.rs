@@ -1,6 +1,6 @@
 //! Calibration by touches, compared with hand calculations.
 
-use trueaxis_metrology::calibration::{CalibrationRefusal, Network, Part, Surface, Touch, Unknown, fit_ball};
+use trueaxis_metrology::calibration::{CalibrationRefusal, Centre, Network, Part, Surface, Touch, Unknown, fit_ball};
 use trueaxis_testing::noise::Noise;
 
 const NEAR: [f64; 3] = [10.2, -5.1, 2.9];
@@ -135,4 +135,50 @@ fn a_tilted_plate_keeps_its_length() {
     let found = Network { unknowns, terms: 1, tip: 1, touches, repeatability_mm: 1e-3 }.foresee().unwrap();
     assert!(found.values[0].abs() < 1e-9, "{:?}", found.values);
     assert!(found.residuals_mm.iter().all(|residual| residual.abs() < 1e-9), "{:?}", found.residuals_mm);
+}
+
+/// A plate of 3 by 3 balls, each off its place, measured as it lies, turned by a quarter and moved by a pitch: the machine's
+/// skew is found from places that nobody knows, however much the plate is turned.
+#[test]
+fn a_turned_plate_of_unknown_places_shows_the_skew_of_a_machine() {
+    let free = |start| Unknown { start, uncertainty: None };
+    let mut unknowns = vec![free(0.0), Unknown { start: 3.0, uncertainty: Some(1e-9) }];
+    // The elongation of the plate, which the distance of the first two balls defines.
+    unknowns.push(Unknown { start: 2e-4, uncertainty: Some(1e-9) });
+    unknowns.extend([0.0; 14].map(free));
+    let mut noise = Noise::new(3);
+    let own: Vec<[f64; 2]> =
+        (0..9).map(|ball| if ball < 2 { [0.0; 2] } else { [0; 2].map(|_| 0.1 * noise.signed()) }).collect();
+    let skew = 40e-6;
+    let mut touches = Vec::new();
+    for (turn, off, moved) in [(0.0, 0.01, 0.0), (90.0, -0.02, 0.0), (0.0, 0.005, 50.0)] {
+        let origin = unknowns.len();
+        unknowns.extend([0.0; 3].map(free));
+        let ((sin, cos), (quarter, whole)) = ((f64::to_radians(turn) + off).sin_cos(), f64::to_radians(turn).sin_cos());
+        for ball in 0..9 {
+            let offset = [50.0 * (ball % 3) as f64, 50.0 * (ball / 3) as f64];
+            let [a, b] = [0, 1].map(|k| 1.0002 * offset[k] + own[ball][k]);
+            let [x, y] = [moved + 2.0 + cos * a - sin * b, -1.0 + sin * a + cos * b];
+            // The true X is the indicated one less the skew times Y.
+            let tip_mm = [x + skew * y, y, 0.0];
+            for along in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
+                let surface = Surface::Centre(Centre {
+                    plane: [[whole, quarter, 0.0], [-quarter, whole, 0.0]],
+                    origin,
+                    offset,
+                    own: (ball > 1).then(|| 3 + 2 * (ball - 2)),
+                    length: 2,
+                    along,
+                    weight: 2_f64.sqrt(),
+                });
+                touches.push(Touch { tip_mm, surface, response: vec![[-tip_mm[1], 0.0, 0.0]], drift: Vec::new() });
+            }
+        }
+    }
+    let found = Network { unknowns, terms: 1, tip: 1, touches, repeatability_mm: 1e-3 }.foresee().unwrap();
+    assert!((found.values[0] - skew).abs() < 1e-9, "{:?}", found.values);
+    for (ball, own) in own.iter().enumerate().skip(2) {
+        let at = 3 + 2 * (ball - 2);
+        assert!((0..2).all(|k| (found.values[at + k] - own[k]).abs() < 1e-6), "{ball}: {:?}", found.values);
+    }
 }

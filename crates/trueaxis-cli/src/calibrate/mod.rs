@@ -17,7 +17,8 @@ use trueaxis_tables::files::Folder;
 pub(crate) const EXAMPLE: &str = "\
 Example:
   trueaxis calibrate plan records/probing/task.toml -o probe.ngc
-  trueaxis calibrate plan records/probing/dial.toml -o sheet.csv";
+  trueaxis calibrate plan records/probing/dial.toml -o sheet.csv
+  trueaxis calibrate plan records/probing/plate.toml -o plate.ngc";
 
 const SIMULATE: &str = "\
 Example:
@@ -40,7 +41,8 @@ machine's files state. --save-true writes that machine, to compare it with the m
 Ring, ball and the other artefacts get true sizes within their uncertainty, and are up to 0.6 mm and about 0.5 mrad \
 off their places; the tip trips pre_travel_um after the touch, within tip_uncertainty_um if that is stated. Every \
 pause lasts five minutes. What a task leaves unknown is drawn: lengths by 20 um, form by 5 um, angles by 50 urad, a \
-bar's run-out by 5 um and 30 urad.";
+bar's run-out by 5 um and 30 urad; places on a plate by 30 um, its diameters by 10 um, and the plate is put down within \
+0.25 degrees.";
 
 const SOLVE: &str = "\
 Example:
@@ -72,6 +74,31 @@ place turned over (reversed = true). A ball at several rotary_deg determines cen
 A gauge block (length_mm) gives the scale along its length; a thin one, touched from both sides, gives lost motion. \
 Parallels that nobody has measured (unknown_length, same_as) carry its length to the other axes. A block (size_mm) has \
 three lengths; a second place, turned over, shows squareness: mark the corner that the program names.
+
+A plate whose balls or holes nobody has measured gives squareness, scales, positioning and straightness of two axes, \
+if one distance on it is known:
+
+  [[plate]]
+  name = \"plate\"
+  kind = \"holes\"                    # or balls
+  diameter_mm = 20.0
+  columns = 5
+  rows = 5
+  pitch_mm = 70.0
+  at_mm = [215.0, 165.0, -200.0]    # of the machine, the tip in its middle
+  [plate.length]                    # of the centres of two of them
+  from = [1, 1]                     # column and row
+  to = [5, 5]
+  mm = 395.98
+  uncertainty_um = 2.0
+  [[plate.placement]]               # as it lies
+  turn_deg = 0
+  [[plate.placement]]
+  turn_deg = 90
+  [[plate.placement]]
+  moved = [1, 0]                    # pitches, along X and Y
+  [[plate.placement]]
+  moved = [0, 1]
 
 Readings of a dial indicator, in place of touches:
 

@@ -2,6 +2,7 @@
 
 use super::block::Block;
 use super::dial::{Dial, DialKind};
+use super::grid::{self, Grid};
 use super::place::Place;
 use super::ranges::{needed, number, whole};
 use trueaxis::machine::Axis;
@@ -50,6 +51,8 @@ pub enum Kind {
     },
     /// A block with parallel faces.
     Block(Block),
+    /// A plate of balls or holes of unknown places.
+    Grid(Grid),
     /// A set-up with a dial indicator, which has no places.
     Dial(Dial),
 }
@@ -77,6 +80,13 @@ impl Artefact {
     fn block(&self) -> Option<&Block> {
         match &self.kind {
             Kind::Block(block) => Some(block),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn grid(&self) -> Option<&Grid> {
+        match &self.kind {
+            Kind::Grid(grid) => Some(grid),
             _ => None,
         }
     }
@@ -179,6 +189,24 @@ pub(super) fn read_dial(section: Section<'_>) -> Result<Artefact, FileError> {
     Ok(Artefact { name, kind, uncertainty: None, length_uncertainty: None, tolerance_mm, places: Vec::new(), line })
 }
 
+/// Reads a plate of unknown places with its placements.
+pub(super) fn read_plate(section: Section<'_>) -> Result<Artefact, FileError> {
+    let line = section.first_line();
+    let (name, tolerance_mm) = grid::named(&section)?;
+    let (grid, places) = Grid::read(&section)?;
+    let name = name.value.to_owned();
+    section.finish(None)?;
+    Ok(Artefact {
+        name,
+        kind: Kind::Grid(grid),
+        uncertainty: None,
+        length_uncertainty: None,
+        tolerance_mm,
+        places,
+        line,
+    })
+}
+
 fn read_place(section: Section<'_>, kind: &Kind) -> Result<Place, FileError> {
     let line = section.first_line();
     let at =
@@ -200,6 +228,7 @@ fn read_place(section: Section<'_>, kind: &Kind) -> Result<Place, FileError> {
         across: Axis::Y,
         reversed: false,
         base: false,
+        turn: 0,
         rotary_deg: vec![[0.0; 3]],
         line,
     };

@@ -126,7 +126,8 @@ impl Dial {
     pub fn text(&self, name: &str, reading: &Reading) -> String {
         let letter = |axis: usize| ['X', 'Y', 'Z'][axis % 3];
         let sign = if reading.side > 0.0 { '+' } else { '-' };
-        let on = format!("dial on the {sign}{} side", letter(reading.reads));
+        let side = format!("{sign}{} side", letter(reading.reads));
+        let on = format!("dial on the {side}");
         match self.kind {
             DialKind::Straightness { moves, .. } => {
                 let over = if reading.placement > 0 {
@@ -145,7 +146,7 @@ impl Dial {
                 format!("{name}: dial in the spindle, on the table, on a radius of {radius_mm} mm")
             }
             DialKind::Bar { .. } => {
-                format!("{name}: dial fixed, {on} of the bar, spindle at {} degrees", reading.spindle_deg)
+                format!("{name}: dial on the table, at its {side}, spindle at {} degrees", reading.spindle_deg)
             }
         }
     }

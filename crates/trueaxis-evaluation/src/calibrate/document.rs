@@ -149,7 +149,7 @@ impl Calibration {
         CalibrationDocument {
             machine: machine.settings.name.to_string(),
             compensated: task.compensated,
-            touches: observed.network.touches.len(),
+            touches: self.lines.len(),
             rank: solution.rank,
             condition: solution.condition,
             degrees_of_freedom: solution.degrees_of_freedom,

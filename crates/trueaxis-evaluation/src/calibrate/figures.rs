@@ -22,7 +22,8 @@ impl Residuals {
     pub fn of(task: &Task, plan: &Plan, calibration: &Calibration) -> Residuals {
         let starts = plan.visits.iter().enumerate().filter(|(_, visit)| !visit.reference);
         let visits = starts.filter_map(|(index, visit)| {
-            let first = plan.touches.iter().position(|touch| touch.visit == index)?;
+            let of = &calibration.observed.planned;
+            let first = of.iter().position(|touch| plan.touches[*touch].visit == index)?;
             Some((first + 1, task.artefacts.get(visit.artefact)?.name.clone()))
         });
         Residuals {

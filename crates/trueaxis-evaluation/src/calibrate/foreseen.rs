@@ -109,13 +109,7 @@ pub fn foresee(task: &Task, machine: &Machine, plan: &Plan) -> Result<Calibratio
 
 /// Axis positions at the touches of a plan if every artefact is where the task says: X, Y, Z, A, B, C.
 pub fn planned(task: &Task, plan: &Plan) -> Vec<[f64; AXES]> {
-    plan.touches
-        .iter()
-        .map(|touch| {
-            let share = task.probe.approach_mm / (task.probe.approach_mm + task.probe.overtravel_mm);
-            std::array::from_fn(|k| touch.start[k] + share * (touch.end[k] - touch.start[k]))
-        })
-        .collect()
+    plan.nominal(&task.probe)
 }
 
 /// [`foresee`] for a network of [`planned`] touches.
@@ -124,6 +118,7 @@ pub fn planned(task: &Task, plan: &Plan) -> Vec<[f64; AXES]> {
 /// As [`foresee`].
 pub fn foresee_observed(task: &Task, plan: &Plan, observed: Observed) -> Result<Calibration> {
     let source = Source { task, plan, file: &task.file, lines: Vec::new() };
+    source.separates(&observed)?;
     let solution = observed.network.foresee().map_err(|refused| source.refused(&observed, refused))?;
     Ok(Calibration { observed, solution, lines: Vec::new() })
 }

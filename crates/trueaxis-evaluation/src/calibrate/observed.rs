@@ -4,7 +4,9 @@ use super::artefact::{Artefact, Kind};
 use super::block::{ANGLES, Block};
 use super::dial::{Dial, DialKind, Named};
 use super::faces::{self, Sizes};
+use super::grid::Grid;
 use super::kinematics::Ideal;
+use super::middles::{middles, way};
 use super::place::Place;
 use super::plan::{Plan, Planned};
 use super::sheet::reading;
@@ -23,6 +25,8 @@ use trueaxis_tables::exact::Geometry;
 pub struct Observed {
     /// The network.
     pub network: Network,
+    /// The touch of the plan that each of the network belongs to: a plate's centre is that of two, the first of them.
+    pub planned: Vec<usize>,
     /// Name of every unknown.
     pub names: Vec<String>,
     /// The machine's terms.
@@ -142,15 +146,28 @@ pub fn observe_terms(
         response,
         drift: between(&knots, touch.time_s),
     });
+    let (touches, planned) = middles(plan, touches.collect());
     let network = Network {
-        touches: touches.collect(),
+        touches,
         terms: terms.terms.len(),
         tip,
         repeatability_mm: task.probe.repeatability_mm,
         unknowns: names.unknowns,
     };
     let Artefacts { sizes, angles, own: deviations, lengths, places, spindle, .. } = artefacts;
-    Ok(Observed { network, names: names.names, terms, sizes, angles, spindle, deviations, lengths, places, knots })
+    Ok(Observed {
+        network,
+        planned,
+        names: names.names,
+        terms,
+        sizes,
+        angles,
+        spindle,
+        deviations,
+        lengths,
+        places,
+        knots,
+    })
 }
 
 /// Drift knots, one in the middle of every visit to the reference.
@@ -268,6 +285,7 @@ impl Artefacts {
                 self.angles.extend(&block.angles);
                 block.lengths.iter().chain(&block.angles).copied().collect()
             }
+            Kind::Grid(grid) => put_places(grid, name, names),
             Kind::Dial(dial) => {
                 let start = names.names.len();
                 names.put_each(dial.own_unknowns(name), |what| what);
@@ -287,7 +305,10 @@ impl Artefacts {
         self.own.push(own);
         let what = if matches!(artefact.kind, Kind::Block(_)) { "elongation" } else { "length" };
         let longer = |uncertainty| names.put(format!("{what} of {name}"), 0.0, Some(uncertainty));
-        self.lengths.push(artefact.length_uncertainty.map(longer));
+        self.lengths.push(match artefact.grid().map(Grid::elongation) {
+            Some((start, uncertainty)) => Some(names.put(format!("length of {name}"), start, uncertainty)),
+            None => artefact.length_uncertainty.map(longer),
+        });
     }
 
     fn surface(&self, task: &Task, touch: &Planned) -> Surface {
@@ -333,6 +354,10 @@ impl Artefacts {
                     let parts = vec![part(first + 1, 1.0, None), turned, part(size, -sense, Some(v))];
                     Surface::Face { normal: u, outward: -sense, known_mm: 0.0, parts }
                 }
+            }
+            Kind::Grid(grid) => {
+                let length = self.lengths[artefact].unwrap_or_default();
+                grid.surface(at, feature, way(touch), [size, first, length])
             }
             // Returned above: it has no places.
             Kind::Dial(_) => Surface::Face { normal: [0.0; 3], outward: 1.0, known_mm: 0.0, parts: Vec::new() },
@@ -382,8 +407,24 @@ fn put_place(
             }
             first
         }
+        Kind::Grid(_) => {
+            let [first, second] = Grid::origin(place, tip);
+            names.put_all(["first coordinate", "second coordinate", "turn"].map(at), [first, second, 0.0], None)
+        }
         Kind::Dial(_) => return None,
     })
+}
+
+/// Puts the deviations of a plate's balls or holes from their nominal places.
+fn put_places(grid: &Grid, plate: &str, names: &mut Names) -> Vec<usize> {
+    let mut all = Vec::new();
+    for ball in grid.deviating() {
+        for direction in ["columns", "rows"] {
+            let what = format!("{} off its place along the {direction}", grid.name(ball, plate));
+            all.push(names.put(what, 0.0, None));
+        }
+    }
+    all
 }
 
 /// Contact of a dial relative to the tool.

@@ -5,7 +5,8 @@ use trueaxis::machine::Axis;
 /// Where an artefact is set up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// X, Y, Z of the machine with the tip's centre at the artefact's origin: centre of a ring or ball, first ball of a plate,
+    /// X, Y, Z of the machine with the tip's centre at the artefact's origin: centre of a ring or ball, first ball of a ball plate, middle of a
+    /// plate of unknown places,
     /// first face of a gauge, corner of a square; mm.
     pub at_mm: [f64; 3],
     /// All but balls: direction normal to it (gauge: to its row), along which the probe retracts.
@@ -19,6 +20,8 @@ pub struct Place {
     pub reversed: bool,
     /// Block: whether the surface under it is touched, beside it.
     pub base: bool,
+    /// Plate of unknown places: quarter turns about the normal.
+    pub turn: u8,
     /// A, B, C at which a ball is measured, degrees.
     pub rotary_deg: Vec<[f64; 3]>,
     /// Line in the task file.

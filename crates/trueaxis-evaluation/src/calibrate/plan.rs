@@ -1,6 +1,6 @@
 //! A plan: the touches of a task in order, and the moves between them.
 
-use super::task::Task;
+use super::task::{Probe, Task};
 use trueaxis::machine::AXES;
 
 /// A planned touch.
@@ -76,6 +76,13 @@ impl Plan {
     /// Time of the whole program, minutes, excluding pauses.
     pub fn minutes(&self) -> f64 {
         self.touches.last().map_or(0.0, |touch| touch.time_s / 60.0)
+    }
+
+    /// Axis positions at the touches if every artefact is where the task says: X, Y, Z, A, B, C.
+    pub(super) fn nominal(&self, probe: &Probe) -> Vec<[f64; AXES]> {
+        let share = probe.approach_mm / (probe.approach_mm + probe.overtravel_mm);
+        let at = |touch: &Planned| std::array::from_fn(|k| touch.start[k] + share * (touch.end[k] - touch.start[k]));
+        self.touches.iter().map(at).collect()
     }
 
     /// Lowest and highest position of X, Y, Z in the probing moves at places with a single pose of A, B, C, mm; 0 without any.

@@ -108,6 +108,10 @@ fn set_up_text(task: &Task, artefact: &Artefact, place: &Place, index: usize) ->
             format!("square {}, first arm along {}{over}", artefact.name, place.along.letter())
         }
         Kind::Block(ref block) => faces::set_up_text(artefact, block, place, &task.probe),
+        Kind::Grid(ref grid) => {
+            let how = grid.set_up_text(&artefact.name, place);
+            return format!("set up {how}, place {}: its middle at X{x} Y{y} Z{z}", index + 1);
+        }
         Kind::Dial(_) => artefact.name.clone(),
     };
     format!("set up {how}, place {}: X{x} Y{y} Z{z}", index + 1)

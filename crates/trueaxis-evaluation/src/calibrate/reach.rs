@@ -1,7 +1,8 @@
 //! Checks of a plan against machine and probe: travel, axes, room for the tip.
 
-use super::artefact::Kind;
+use super::artefact::{Artefact, Kind};
 use super::faces;
+use super::grid::Grid;
 use super::plan::{Plan, Step};
 use super::task::Task;
 use anyhow::Result;
@@ -28,6 +29,9 @@ pub(super) fn check_steps(task: &Task) -> Result<()> {
             );
             return Err(at_line(task, place.line, "artefact.place.normal", found, needed));
         }
+        if let Kind::Grid(grid) = &artefact.kind {
+            check_room(task, artefact, grid)?;
+        }
         let Kind::Gauge { steps_mm } = &artefact.kind else { continue };
         let room = 2.0 * task.probe.tip_radius_mm + task.probe.approach_mm;
         if let Some(step) = steps_mm.windows(2).map(|pair| pair[1] - pair[0]).find(|step| *step <= room) {
@@ -39,6 +43,28 @@ pub(super) fn check_steps(task: &Task) -> Result<()> {
     Ok(())
 }
 
+/// Checks that the tip has room before its touches in a hole, or between neighbouring balls, with the plate off its place.
+fn check_room(task: &Task, artefact: &Artefact, grid: &Grid) -> Result<()> {
+    let probe = &task.probe;
+    let (radius, off) = (0.5 * grid.diameter_mm, faces::off_place(probe));
+    let (room, word) = if grid.holes {
+        // The tip arrives at the start of a touch from one side, by the way that takes up lost motion.
+        let reach = radius - probe.tip_radius_mm;
+        (reach - (reach - probe.approach_mm).abs().hypot(probe.take_up_mm) - off, "in a hole")
+    } else {
+        (grid.pitch_mm - 2.0 * (radius + probe.tip_radius_mm) - probe.approach_mm - off, "between two balls")
+    };
+    if room >= 0.0 {
+        return Ok(());
+    }
+    let found = format!("{:.1} mm too little room {word} for a tip of {} mm radius", -room, probe.tip_radius_mm);
+    let needed = format!(
+        "room for approach_mm ({}) and take_up_mm ({}) with the plate up to {off} mm (half of approach_mm) off its place",
+        probe.approach_mm, probe.take_up_mm
+    );
+    Err(at_line(task, artefact.line, "plate.diameter_mm", found, needed))
+}
+
 /// Found and needed, if a position is outside an axis' travel.
 pub(super) fn beyond(own: &AxisSettings, q: f64) -> Option<(String, String)> {
     let [low, high] = own.travel;
@@ -47,12 +73,17 @@ pub(super) fn beyond(own: &AxisSettings, q: f64) -> Option<(String, String)> {
     (!within).then(|| (format!("{letter} at {q:.3}{unit}"), format!("within its travel {low} to {high}{unit}")))
 }
 
+/// Key of an artefact's places in a task.
+fn key_of(artefact: &Artefact) -> &'static str {
+    if artefact.grid().is_some() { "plate.placement" } else { "artefact.place" }
+}
+
 /// Checks that the machine can reach the touches.
 pub(super) fn check_travel(task: &Task, machine: &Machine, plan: &Plan) -> Result<()> {
     for touch in &plan.touches {
         let artefact = &task.artefacts[touch.artefact];
         let place = artefact.places.get(touch.place);
-        let (line, key) = place.map_or((artefact.line, "dial"), |place| (place.line, "artefact.place"));
+        let (line, key) = place.map_or((artefact.line, "dial"), |place| (place.line, key_of(artefact)));
         for own in &machine.settings.axes {
             let k = own.axis.index();
             if let Some((at, needed)) = [touch.start[k], touch.end[k]].into_iter().find_map(|q| beyond(own, q)) {
@@ -71,12 +102,13 @@ pub(super) fn check_travel(task: &Task, machine: &Machine, plan: &Plan) -> Resul
 
 /// Checks that the moves between touches stay within the travels too: the probe needs room above an artefact.
 pub(super) fn check_ways(task: &Task, machine: &Machine, plan: &Plan) -> Result<()> {
-    let mut places = task.artefacts.iter().flat_map(|artefact| &artefact.places);
-    let mut line = 0;
+    let mut places =
+        task.artefacts.iter().flat_map(|artefact| artefact.places.iter().map(|place| (place.line, key_of(artefact))));
+    let (mut line, mut key) = (0, "artefact.place");
     for step in &plan.steps {
         let to = match step {
             Step::Pause(_) => {
-                line = places.next().map_or(line, |place| place.line);
+                (line, key) = places.next().unwrap_or((line, key));
                 continue;
             }
             Step::Rapid(to) => *to,
@@ -86,7 +118,7 @@ pub(super) fn check_ways(task: &Task, machine: &Machine, plan: &Plan) -> Result<
         for own in &machine.settings.axes {
             if let Some((at, needed)) = to[own.axis.index()].and_then(|q| beyond(own, q)) {
                 let needed = format!("{needed}: room above the artefact, and beside it");
-                return Err(at_line(task, line, "artefact.place", format!("a way between touches with {at}"), needed));
+                return Err(at_line(task, line, key, format!("a way between touches with {at}"), needed));
             }
         }
     }

@@ -65,8 +65,19 @@ pub fn solved(
 /// A set-up that cannot separate its unknowns, by their names; an artefact outside its size, a touch far off its artefact or a
 /// drift above the measured effect, with the line of the log.
 pub fn calibrate(task: &Task, machine: &Machine, plan: &Plan, trips: &[Logged], file: &Path) -> Result<Calibration> {
+    if task.plate().is_some() {
+        placements_hold(task, machine, plan, file)?;
+    }
     let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
     settle(task, plan, trips, file, observe(task, machine, plan, &positions)?)
+}
+
+/// Checks that the placements of a plate of unknown places separate its unknowns as planned: off its places a plate seems to
+/// separate what it does not, with enormous standard errors.
+fn placements_hold(task: &Task, machine: &Machine, plan: &Plan, file: &Path) -> Result<()> {
+    let nominal = observe(&Task { compensated: true, ..task.clone() }, machine, plan, &plan.nominal(&task.probe))?;
+    let source = Source { task, plan, file, lines: Vec::new() };
+    source.separates(&nominal)
 }
 
 /// Solves the network of these trips, with the checks of [`calibrate`].
@@ -74,11 +85,11 @@ pub fn calibrate(task: &Task, machine: &Machine, plan: &Plan, trips: &[Logged], 
 /// # Errors
 /// As [`calibrate`].
 pub fn settle(task: &Task, plan: &Plan, trips: &[Logged], file: &Path, observed: Observed) -> Result<Calibration> {
-    let lines = trips.iter().map(|trip| trip.line).collect();
+    let lines: Vec<u32> = trips.iter().map(|trip| trip.line).collect();
     let source = Source { task, plan, file, lines };
     sizes_hold(&source, &observed)?;
     let solution = observed.network.solve().map_err(|refused| source.refused(&observed, refused))?;
-    touches_hold(&source, &solution)?;
+    touches_hold(&source, &observed, &solution)?;
     deviations_hold(&source, &observed, &solution)?;
     drift_holds(&source, &observed, &solution)?;
     Ok(Calibration { observed, solution, lines: source.lines })
@@ -95,16 +106,16 @@ fn sizes_hold(source: &Source<'_>, observed: &Observed) -> Result<()> {
         let Some(size) = observed.sizes[index].first().copied() else { continue };
         for place in 0..artefact.places.len() {
             let own = |touch: usize| {
-                let planned = &source.plan.touches[touch];
+                let planned = &source.plan.touches[observed.planned[touch]];
                 planned.artefact == index && planned.place == place && planned.feature == 0
             };
-            let touches: Vec<usize> = (0..source.plan.touches.len()).filter(|touch| own(*touch)).collect();
+            let touches: Vec<usize> = (0..observed.planned.len()).filter(|touch| own(*touch)).collect();
             let stated = observed.network.unknowns[size].start;
             let Some(away) = fit_size_from_one_place(observed, &touches, size).map(|measured| measured - stated) else {
                 continue;
             };
             if away.abs() > artefact.tolerance_mm {
-                let line = touches.first().and_then(|touch| source.line(*touch));
+                let line = touches.first().and_then(|touch| source.line(observed.planned[*touch]));
                 let measured = stated + away;
                 let what = if sense > 0.0 { "inside" } else { "outside" };
                 let found = format!(
@@ -132,10 +143,15 @@ fn deviations_hold(source: &Source<'_>, observed: &Observed, solution: &Solution
         let off = |index: &usize| !observed.angles.contains(index) && away(*index).abs() > artefact.tolerance_mm;
         let lengths = match &artefact.kind {
             Kind::Block(block) => &observed.sizes[of][..block.measured],
+            Kind::Grid(_) => &observed.sizes[of],
             _ => &[],
         };
         if let Some(index) = observed.deviations[of].clone().chain(lengths.iter().copied()).find(off) {
-            let from = if artefact.dial().is_some() { "a straight line" } else { "the size that the task states" };
+            let from = match artefact.kind {
+                Kind::Dial(_) => "a straight line",
+                Kind::Grid(_) => "the place that its pitch states",
+                _ => "the size that the task states",
+            };
             let found = format!("{} {:.1} µm from {from}", observed.names[index], 1e3 * away(index));
             let needed = format!(
                 "at most {} µm (tolerance_um): the right artefact, and its own sizes",
@@ -180,7 +196,7 @@ fn fit_size_from_one_place(observed: &Observed, touches: &[usize], size: usize) 
 }
 
 /// Checks that no touch disagrees with all the others.
-fn touches_hold(source: &Source<'_>, solution: &Solution) -> Result<()> {
+fn touches_hold(source: &Source<'_>, observed: &Observed, solution: &Solution) -> Result<()> {
     let mut sizes: Vec<f64> = solution.residuals_mm.iter().map(|residual| residual.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let median = sizes.get(sizes.len() / 2).copied().unwrap_or_default();
@@ -188,6 +204,7 @@ fn touches_hold(source: &Source<'_>, solution: &Solution) -> Result<()> {
     let worst = solution.residuals_mm.iter().enumerate().max_by(|one, other| one.1.abs().total_cmp(&other.1.abs()));
     match worst {
         Some((touch, residual)) if residual.abs() > limit => {
+            let touch = observed.planned[touch];
             let found = format!(
                 "{} {} on {} {:.1} µm off the position by the others",
                 source.task.word(),

@@ -3,9 +3,11 @@
 use super::observed::Observed;
 use super::plan::Plan;
 use super::task::Task;
-use anyhow::anyhow;
+use super::terms::Term;
+use super::unseen;
+use anyhow::{Result, anyhow};
 use std::path::{Path, PathBuf};
-use trueaxis_metrology::calibration::CalibrationRefusal;
+use trueaxis_metrology::calibration::{CalibrationRefusal, Surface};
 use trueaxis_tables::error::FileError;
 
 /// The log, with the names that errors need.
@@ -26,9 +28,35 @@ impl Source<'_> {
         self.lines.get(touch).copied()
     }
 
+    /// Refuses placements of a plate of unknown places that leave combinations of its unknowns free.
+    pub(super) fn separates(&self, observed: &Observed) -> Result<()> {
+        if self.task.plate().is_none() {
+            return Ok(());
+        }
+        let mut network = observed.network.clone();
+        // A ball beside the plate is known, but too small for a scale: it counts against drift and for lost motion only.
+        for touch in network.touches.iter_mut().filter(|touch| matches!(touch.surface, Surface::Ball { .. })) {
+            let all = touch.response.iter_mut().zip(&observed.terms.terms);
+            all.filter(|(_, term)| !matches!(term, Term::Backlash(_))).for_each(|(response, _)| *response = [0.0; 3]);
+        }
+        let combinations = network.free();
+        if combinations.is_empty() {
+            Ok(())
+        } else {
+            Err(self.refused(observed, CalibrationRefusal::NotApart { combinations }))
+        }
+    }
+
     pub(super) fn refused(&self, observed: &Observed, refused: CalibrationRefusal) -> anyhow::Error {
         match refused {
             CalibrationRefusal::NotApart { combinations } => {
+                let file = self.task.file.clone();
+                let line = Some(self.line_of(observed, &combinations));
+                if let Some((plate, grid)) = self.task.plate().and_then(|plate| Some((plate, plate.grid()?))) {
+                    let (found, needed) = unseen::words(plate, grid, observed, &combinations);
+                    let column = Some("plate.placement".into());
+                    return FileError { file, line: Some(plate.line), column, found, needed }.into();
+                }
                 let sentences: Vec<String> =
                     combinations.iter().map(|parts| words(parts, observed, self.task.word())).collect();
                 let one = sentences.first().cloned().unwrap_or_default();
@@ -44,11 +72,10 @@ impl Source<'_> {
                     "artefacts or places that do (a known size along each of them, a ball for the tip's radius, a \
                      reversal), or fewer unknowns in [solve]"
                 };
-                let file = self.task.file.clone();
-                FileError { file, line: None, column: None, found, needed: needed.into() }.into()
+                FileError { file, line, column: None, found, needed: needed.into() }.into()
             }
             CalibrationRefusal::Unsettled { touch, residual_mm } => {
-                let word = self.task.word();
+                let (word, touch) = (self.task.word(), observed.planned.get(touch).copied().unwrap_or(touch));
                 let found = format!("{word} {} {residual_mm:.3} mm off {}", touch + 1, self.name(touch));
                 self.error(self.line(touch), found, format!("every {word} on the artefact that the task names"))
             }
@@ -60,6 +87,20 @@ impl Source<'_> {
             }
             refused => anyhow!("{}: {refused}", self.task.file.display()),
         }
+    }
+
+    /// Line of the task's first artefact that has a part in a combination, or of its first one.
+    fn line_of(&self, observed: &Observed, combinations: &[Vec<(usize, f64)>]) -> u32 {
+        let has_part = |index: &usize| combinations.iter().flatten().any(|(part, _)| part == index);
+        let concerned = |of: usize| {
+            let places = observed.places.get(of).into_iter().flatten();
+            let sizes = observed.sizes.get(of).into_iter().flatten();
+            let length = observed.lengths.get(of).and_then(Option::as_ref);
+            places.chain(sizes).chain(length).any(has_part)
+        };
+        let all = &self.task.artefacts;
+        let found = (0..all.len()).find(|of| concerned(*of)).and_then(|of| all.get(of)).or(all.first());
+        found.map_or(0, |artefact| artefact.line)
     }
 
     pub(super) fn name(&self, touch: usize) -> String {

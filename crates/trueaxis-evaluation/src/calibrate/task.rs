@@ -1,11 +1,16 @@
 //! A task: machine, probe, artefacts, and the terms to determine.
 
-use super::artefact::{Artefact, Kind, read_artefact, read_dial};
+use super::artefact::{Artefact, Kind, read_artefact, read_dial, read_plate};
 use super::dial::DialKind;
 use super::ranges::{needed, number, whole};
 use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::{Section, read_toml};
+
+/// Standard uncertainty of a tip that no touch determines, mm.
+const TIP_MM: f64 = 0.01;
+/// Degree of curves that have every shape that a plate shows.
+const ALL: usize = u8::MAX as usize;
 
 /// Dialect of a control: how it probes and logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,6 +125,11 @@ impl Task {
         self.artefacts.iter().any(|artefact| artefact.dial().is_some())
     }
 
+    /// The plate of unknown places.
+    pub(crate) fn plate(&self) -> Option<&Artefact> {
+        self.artefacts.iter().find(|artefact| artefact.grid().is_some())
+    }
+
     /// The word for an observation.
     pub fn word(&self) -> &'static str {
         words(self.is_read())[0]
@@ -137,14 +147,27 @@ impl Task {
     pub fn read(text: &str, file: &Path) -> Result<Task, FileError> {
         read_toml(text.strip_prefix('\u{feff}').unwrap_or(text), file, |root| {
             let dials = root.sections("dial")?;
-            let mut task =
-                if dials.is_empty() { Task::of_probing(&root, file)? } else { Task::of_dials(&root, dials, file)? };
+            let plates = root.sections("plate")?;
+            let mut task = match (dials.is_empty(), plates.is_empty()) {
+                (true, true) => Task::of_probing(&root, file)?,
+                (true, false) => Task::of_plate(&root, plates, file)?,
+                (false, true) => Task::of_dials(&root, dials, file)?,
+                (false, false) => {
+                    let line = plates.first().map_or(0, Section::first_line);
+                    return Err(root.at(
+                        line,
+                        "plate",
+                        "a plate beside a dial",
+                        "touches and readings of a dial in two tasks",
+                    ));
+                }
+            };
             task.compensated = root.boolean("compensated")?.unwrap_or(false);
             if let Some(section) = root.section("reference")? {
                 task.reference = Some(read_reference(section, &task.artefacts)?);
             }
             if let Some(section) = root.section("solve")? {
-                task.wanted = read_wanted(section, task.wanted, task.is_read())?;
+                task.wanted = read_wanted(section, &task)?;
             }
             few_points(&root, &task)?;
             root.finish(None)?;
@@ -193,6 +216,32 @@ impl Task {
     /// # Errors
     /// As [`Task::read`].
     pub(crate) fn of_probing(root: &Section<'_>, file: &Path) -> Result<Task, FileError> {
+        Task::probing(root, file, false)
+    }
+
+    /// Reads a task with a plate of unknown places, beside which there are only balls, for the drift.
+    fn of_plate(root: &Section<'_>, plates: Vec<Section<'_>>, file: &Path) -> Result<Task, FileError> {
+        let mut task = Task::probing(root, file, true)?;
+        if let Some(other) = task.artefacts.iter().find(|of| !matches!(of.kind, Kind::Ball { .. })) {
+            let needed = "only balls beside a plate of unknown places; certified artefacts in another task";
+            return Err(root.at(other.line, "artefact.kind", &other.name, needed));
+        }
+        if let Some(second) = plates.get(1) {
+            let needed = "one plate, its placements in [[plate.placement]]; another plate in another task";
+            return Err(root.at(second.first_line(), "plate", "a second plate", needed));
+        }
+        // A ball shows lost motion, the middles of a plate do not.
+        let backlash = !task.artefacts.is_empty();
+        if !backlash {
+            // Nor do they depend on the tip.
+            task.probe.tip_uncertainty_mm.get_or_insert(TIP_MM);
+        }
+        task.artefacts.extend(plates.into_iter().map(read_plate).collect::<Result<Vec<_>, _>>()?);
+        task.wanted = Wanted { backlash, rotary: false, positioning: ALL, straightness: ALL, ..task.wanted };
+        Ok(task)
+    }
+
+    fn probing(root: &Section<'_>, file: &Path, beside: bool) -> Result<Task, FileError> {
         let machine = root.string("machine")?.ok_or_else(|| root.missing("machine", "the machine's folder"))?;
         let words = [("linuxcnc", Dialect::LinuxCnc), ("grblhal", Dialect::GrblHal), ("klipper", Dialect::Klipper)];
         let dialect = root.choice("dialect", words)?;
@@ -200,7 +249,7 @@ impl Task {
         let probe = root.section("probe")?.ok_or_else(|| root.missing("probe", "a section [probe]"))?;
         let probe = read_probe(probe)?;
         let artefacts = root.sections("artefact")?;
-        if artefacts.is_empty() {
+        if artefacts.is_empty() && !beside {
             return Err(root.missing("artefact", "at least one section [[artefact]]"));
         }
         let artefacts = artefacts.into_iter().try_fold(Vec::new(), |mut before, section| {
@@ -273,9 +322,14 @@ fn few_points(root: &Section<'_>, task: &Task) -> Result<(), FileError> {
     Ok(())
 }
 
-fn read_wanted(section: Section<'_>, default: Wanted, is_read: bool) -> Result<Wanted, FileError> {
+fn read_wanted(section: Section<'_>, task: &Task) -> Result<Wanted, FileError> {
+    let default = task.wanted;
+    if task.plate().is_some() && !default.backlash && section.boolean("backlash")? == Some(true) {
+        let needed = "false, or a ball beside the plate: lost motion cancels in the middle of two opposite touches";
+        return Err(section.at(section.first_line(), "backlash", "true", needed));
+    }
     for key in ["scale", "backlash", "rotary"] {
-        if is_read && section.boolean(key)? == Some(true) {
+        if task.is_read() && section.boolean(key)? == Some(true) {
             return Err(section.at(section.first_line(), key, "true", "false: no reading of a dial shows it"));
         }
     }

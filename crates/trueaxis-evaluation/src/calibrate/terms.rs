@@ -3,6 +3,7 @@
 use super::artefact::Kind;
 use super::block::directions;
 use super::dial::{Dial, DialKind, normal};
+use super::shapes;
 use super::task::Task;
 use trueaxis::machine::{AXES, Axis, Row, Twist};
 use trueaxis_tables::exact::{Geometry, GeometryError};
@@ -98,12 +99,15 @@ pub struct Terms {
     pub zero_mm: [f64; 3],
     /// Travel, mm.
     pub travel_mm: [[f64; 2]; 3],
+    /// Positions between which the curves of X, Y and Z of degree 2 and above are linear; empty for polynomials.
+    pub knots_mm: [Vec<f64>; 3],
 }
 
 impl Terms {
     /// The terms that a task's artefacts determine on a machine. `reach_mm`: lowest and highest position of X, Y, Z touched.
     pub fn of(task: &Task, machine: &Machine, reach_mm: [[f64; 2]; 3]) -> Terms {
-        Terms::named(spanned(task, machine), machine, reach_mm)
+        let knots_mm = knots(task);
+        Terms { knots_mm: knots_mm.clone(), ..Terms::named(spanned(task, machine, &knots_mm), machine, reach_mm) }
     }
 
     /// The given terms. `reach_mm`: lowest and highest position of X, Y, Z touched.
@@ -111,11 +115,12 @@ impl Terms {
         let own = |axis: Axis| machine.settings.axis(axis);
         let travel_mm = LINEAR.map(|axis| own(axis).map_or([0.0; 2], |own| own.travel));
         let zero_mm = travel_mm.map(|[low, high]| 0.0_f64.clamp(low, high.max(low)));
-        Terms { terms, reach_mm, zero_mm, travel_mm }
+        Terms { terms, reach_mm, zero_mm, travel_mm, knots_mm: Default::default() }
     }
     /// Value of a unit curve at a position, mm (for the scale, mm per 1); degree 0 is constant.
     ///
-    /// Legendre polynomials over the touched range, extended with their slope beyond it; zero at [`Terms::zero_mm`].
+    /// Legendre polynomials over the touched range, extended with their slope beyond it; with knots, piecewise linear shapes
+    /// without their least-squares line, constant beyond the knots. Zero at [`Terms::zero_mm`].
     pub fn curve(&self, axis: Axis, degree: u8, position: f64) -> f64 {
         let k = axis.index() % 3;
         if degree == 0 {
@@ -123,6 +128,11 @@ impl Terms {
         }
         if degree == 1 {
             return position - self.zero_mm[k];
+        }
+        let knots = &self.knots_mm[k];
+        if !knots.is_empty() {
+            let values = shapes::shape(knots, usize::from(degree));
+            return shapes::at(knots, &values, position) - shapes::at(knots, &values, self.zero_mm[k]);
         }
         let [low, high] = self.reach_mm[k];
         let half = (0.5 * (high - low)).max(1e-3);
@@ -149,12 +159,19 @@ impl Terms {
         error
     }
 
-    /// Positions at which the curves of an axis are tabulated.
+    /// Positions at which the curves of an axis are tabulated: `count` equal steps, or the knots and the ends of the travel.
     pub fn grid(&self, axis: Axis, count: usize) -> Vec<f64> {
         let [low, high] = self.travel_mm[axis.index() % 3];
-        let all = (0..=count).map(|i| low + (high - low) * i as f64 / count as f64);
+        let knots = &self.knots_mm[axis.index() % 3];
+        let all: Vec<f64> = if knots.is_empty() {
+            (0..=count).map(|i| low + (high - low) * i as f64 / count as f64).collect()
+        } else {
+            [low].into_iter().chain(knots.iter().copied().filter(|q| (low..=high).contains(q))).chain([high]).collect()
+        };
         // Rounded to a micrometre to keep the table readable.
-        all.map(|q| (q * 1e3).round() / 1e3).collect()
+        let mut all: Vec<f64> = all.into_iter().map(|q| (q * 1e3).round() / 1e3).collect();
+        all.dedup();
+        all
     }
 
     /// Tip displacement per unit of every term, in workpiece coordinates, for poses of the axes (in the machine's order) with
@@ -220,16 +237,28 @@ impl Terms {
     }
 }
 
+/// Positions along X, Y and Z of the balls of a plate of unknown places; empty without one.
+fn knots(task: &Task) -> [Vec<f64>; 3] {
+    let plate = task.plate();
+    let lines = |axis: usize| plate.and_then(|plate| Some(plate.grid()?.lines(&plate.places, axis)));
+    std::array::from_fn(|axis| lines(axis).unwrap_or_default())
+}
+
 /// The terms that a task's artefacts determine on a machine.
-fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
+fn spanned(task: &Task, machine: &Machine, knots: &[Vec<f64>; 3]) -> Vec<Term> {
     let wanted = task.wanted;
+    // As many shapes as there are knots, with constant and line.
+    let most = |axis: Axis, degree: usize| {
+        let knots = &knots[axis.index() % 3];
+        if knots.is_empty() { degree } else { degree.min(knots.len() - 1) }
+    };
     let has = |axis: Axis| machine.settings.axes.iter().any(|own| own.axis == axis);
     // Sides: faces that are touched from both sides.
     let (mut planes, mut lines, mut sides) = ([false; 3], [false; 3], [false; 3]);
     for artefact in &task.artefacts {
         for place in &artefact.places {
             match artefact.kind {
-                Kind::Ring { .. } | Kind::Plate { .. } | Kind::Square { .. } => {
+                Kind::Ring { .. } | Kind::Plate { .. } | Kind::Square { .. } | Kind::Grid(_) => {
                     planes[place.normal.index() % 3] = true;
                 }
                 Kind::Gauge { .. } => lines[place.along.index() % 3] = true,
@@ -258,7 +287,7 @@ fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
     if dials.iter().any(is_tram) && dials.iter().any(|dial| matches!(dial.kind, DialKind::Bar { .. })) {
         (squares[0], squares[1]) = (true, true);
     }
-    let sized = |kind: &Kind| matches!(kind, Kind::Ring { .. } | Kind::Plate { .. });
+    let sized = |kind: &Kind| matches!(kind, Kind::Ring { .. } | Kind::Plate { .. } | Kind::Grid(_));
     // Whether a size along the axis is known.
     let spanned = |axis: Axis| {
         task.artefacts
@@ -272,7 +301,7 @@ fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
         terms.extend(spanned.map(|(which, _)| Term::Squareness(which as u8)));
     }
     for axis in LINEAR.into_iter().filter(|axis| measured(*axis)) {
-        let degrees = usize::from(!wanted.scale) + 1..=wanted.positioning;
+        let degrees = usize::from(!wanted.scale) + 1..=most(axis, wanted.positioning);
         let component = axis.index() as u8;
         terms.extend(degrees.map(|degree| Term::Curve { axis, component, degree: degree as u8 }));
     }
@@ -282,7 +311,7 @@ fn spanned(task: &Task, machine: &Machine) -> Vec<Term> {
             let is_read = dials.iter().any(|dial| dial.reads_curve(axis.index(), other.index()));
             if is_read || normal.is_some_and(|normal| planes[normal.index()]) {
                 let component = other.index() as u8;
-                let degrees = 2..=wanted.straightness;
+                let degrees = 2..=most(axis, wanted.straightness);
                 terms.extend(degrees.map(|degree| Term::Curve { axis, component, degree: degree as u8 }));
             }
         }

@@ -2,6 +2,7 @@
 
 use super::artefact::Kind;
 use super::faces;
+use super::grid::Grid;
 use super::kinematics::Ideal;
 use super::place::{self, Place};
 use super::target::{CLEAR_ABOVE, Target, clear_mm};
@@ -90,6 +91,7 @@ pub(super) fn of_place(
             steps_mm.iter().enumerate().map(face).collect()
         }
         Kind::Square { arms_mm, points, .. } => square(task, at, *arms_mm, *points, radius),
+        Kind::Grid(grid) => plate(task, grid, at, radius),
         Kind::Block(block) => faces::targets(task, block, at, radius),
         Kind::Dial(_) => Vec::new(),
     })
@@ -143,6 +145,26 @@ fn ring(task: &Task, at: &Place, reach: f64, points: usize, [from, to]: [f64; 2]
         }
     }
     targets
+}
+
+/// Four touches of every ball or hole along the machine's axes.
+fn plate(task: &Task, grid: &Grid, at: &Place, radius: f64) -> Vec<Target> {
+    let normal = unit(at.normal);
+    let of_ball = |feature: usize| {
+        let centre = grid.centre(at, feature);
+        if grid.holes {
+            let at = Place { at_mm: centre, ..at.clone() };
+            let around = ring(task, &at, 0.5 * grid.diameter_mm - radius, 4, [0.0, 360.0], false);
+            return around.into_iter().map(|target| Target { feature, ..target }).collect::<Vec<_>>();
+        }
+        let (stem, reach) = (normal.map(|part| -part), 0.5 * grid.diameter_mm + radius);
+        let ball = BallAt { feature, centre, stem, tool: normal, pose: [0.0; 3], reach };
+        let mut around = ball.targets(task, true, false);
+        // The height of a ball is not measured.
+        around.retain(|target| dot(target.approach, normal).abs() < 0.5);
+        around
+    };
+    (0..grid.count()).flat_map(of_ball).collect()
 }
 
 /// A ball in a pose of the machine.

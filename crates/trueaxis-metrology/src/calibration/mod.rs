@@ -9,6 +9,7 @@
 //! bore     |P (p + J x − δ − c)| + r − D/2        P: projection along the axis of the bore, c its centre
 //! ball     |p + J x − δ − c| − d/2 − r
 //! face     s (n · p′ − Σ u_j (a_j · p′ or 1) − known) − r,  p′ = p + J x − δ        s = ±1: the side that the probe comes from
+//! centre   n · (p′ − c)                           p: middle of two touches on opposite sides of a ball or a hole
 //! ```
 //!
 //! are zero except for the probe's repeatability. The unknowns are x, r, every artefact's position (c, u), the drift at its
@@ -32,7 +33,7 @@ mod surface;
 pub use ball::{BallFit, fit_ball};
 pub use network::{Network, Solution, Unknown};
 pub use selection::Selection;
-pub use surface::{Part, Surface, Touch};
+pub use surface::{Centre, Part, Surface, Touch};
 
 use std::fmt;
 use std::vec::Vec;

@@ -100,6 +100,16 @@ impl Network {
         self.weighed(f64::INFINITY, LEAST)
     }
 
+    /// Combinations of unknowns that the touches leave free at the start values, also with fewer touches than unknowns; as in
+    /// [`CalibrationRefusal::NotApart`].
+    pub fn free(&self) -> Vec<Vec<(usize, f64)>> {
+        let start: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
+        match self.step(&start, self.repeatability_mm, None) {
+            Err(CalibrationRefusal::NotApart { combinations }) => combinations,
+            _ => Vec::new(),
+        }
+    }
+
     /// Like [`Network::solve`], but never below the stated repeatability: touches that happen to agree must not make anything
     /// more significant.
     pub(super) fn solve_with_care(&self) -> Result<Solution, CalibrationRefusal> {

@@ -40,6 +40,8 @@ pub enum Surface {
         /// Index of the relative elongation of the whole artefact, 1.
         length: Option<usize>,
     },
+    /// Centre of a ball or a hole, from touches on its opposite sides: `tip_mm` is their middle.
+    Centre(Centre),
     /// A plane face.
     Face {
         /// Unit vector across the face.
@@ -51,6 +53,26 @@ pub enum Surface {
         /// Unknown parts.
         parts: Vec<Part>,
     },
+}
+
+/// Centre of a ball or a hole on a plate of unknown places, in one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Centre {
+    /// Unit vectors along the plate's columns and rows as set up.
+    pub plane: [[f64; 3]; 2],
+    /// Index of the first of the plate's two coordinates along `plane`; its rotation from the first to the second direction
+    /// follows, rad.
+    pub origin: usize,
+    /// Nominal position on the plate, mm.
+    pub offset: [f64; 2],
+    /// Index of the first of two deviations from it, mm; `None` at the two places that define the plate's directions.
+    pub own: Option<usize>,
+    /// Index of the relative elongation of the whole plate, 1.
+    pub length: usize,
+    /// Unit vector in the plane along which the opposite sides were touched.
+    pub along: [f64; 3],
+    /// Square root of the number of touches.
+    pub weight: f64,
 }
 
 /// A trip of the probe.
@@ -87,6 +109,34 @@ fn turned(vector: [f64; 3], turn: [f64; 3]) -> [f64; 3] {
 
 fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
     [b * z - c * y, c * x - a * z, a * y - b * x]
+}
+
+impl Centre {
+    /// Residual and gradient of a point; its derivatives are added to `derivatives`.
+    ///
+    /// ```text
+    /// w n · (p − Σ u_k (o + R ((1 + λ) a + b))_k)      a nominal, b its deviation, R the rotation, λ the elongation, w the weight
+    /// ```
+    fn row(&self, point: [f64; 3], of: impl Fn(usize) -> f64, derivatives: &mut Vec<(usize, f64)>) -> (f64, [f64; 3]) {
+        let Centre { plane, origin, offset, own, length, along, weight } = self;
+        let (sin, cos) = of(origin + 2).sin_cos();
+        let turned = |[a, b]: [f64; 2]| [cos * a - sin * b, sin * a + cos * b];
+        let at = |k: usize| (1.0 + of(*length)) * offset[k] + own.map_or(0.0, |own| of(own + k));
+        let [x, y] = turned([at(0), at(1)]);
+        let across = [0, 1].map(|k| weight * dot(*along, plane[k]));
+        let projected = |[a, b]: [f64; 2]| across[0] * a + across[1] * b;
+        derivatives.extend([
+            (*origin, -across[0]),
+            (origin + 1, -across[1]),
+            (origin + 2, -projected([-y, x])),
+            (*length, -projected(turned(*offset))),
+        ]);
+        if let Some(own) = *own {
+            derivatives.extend([(own, -projected([cos, sin])), (own + 1, -projected([-sin, cos]))]);
+        }
+        let residual = projected([0, 1].map(|k| dot(point, plane[k]) - of(origin + k))) - projected([x, y]);
+        (residual, along.map(|part| weight * part))
+    }
 }
 
 impl Touch {
@@ -139,6 +189,7 @@ impl Touch {
                 derivatives.extend([(*diameter, -0.5), (tip, -1.0)]);
                 (distance - 0.5 * of(*diameter) - of(tip), unit)
             }
+            Surface::Centre(centre) => centre.row(point, of, &mut derivatives),
             Surface::Face { normal, outward, known_mm, parts } => {
                 let mut away = dot(*normal, point) - known_mm;
                 let mut across = *normal;

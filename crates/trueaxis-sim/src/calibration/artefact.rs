@@ -34,6 +34,8 @@ pub enum Artefact {
 
 /// Height of a ring, mm.
 const HEIGHT: f64 = 25.0;
+/// Wall of a ring, mm.
+const WALL: f64 = 3.0;
 
 impl Artefact {
     /// Distance from a tip of radius `radius` to the surface, mm, and the direction out of the material there.
@@ -44,6 +46,10 @@ impl Artefact {
                 let along = from.dot(axis);
                 let across = from - along * axis;
                 let away = across.length();
+                if away > 0.5 * diameter + WALL {
+                    // Beyond its wall: in another hole of a plate, or beside the ring.
+                    return ((away - 0.5 * diameter - WALL).max(1.0), across / away);
+                }
                 let inwards = if away > 0.0 { -across / away } else { DVec3::ZERO };
                 if along.abs() > 0.5 * HEIGHT {
                     // Above or below the ring: at least as far away as its faces.

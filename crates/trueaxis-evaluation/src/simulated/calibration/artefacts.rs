@@ -3,9 +3,10 @@
 //! Sizes are drawn within the stated standard uncertainty, once per artefact; positions and orientations deviate as in a
 //! manual set-up. The result is the true surfaces (blocks, balls and bores), which the solution never sees.
 
-use crate::calibrate::{ANGLES, Artefact as Described, Block, Ideal, Kind, Place, Task, directions};
+use crate::calibrate::{ANGLES, Artefact as Described, Block, Grid, Ideal, Kind, Place, Task, directions};
 use anyhow::Result;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
+use std::f64::consts::PI;
 use trueaxis::machine::Axis;
 use trueaxis_sim::calibration::Artefact;
 use trueaxis_tables::Machine;
@@ -14,6 +15,12 @@ use trueaxis_tables::Machine;
 const UNKNOWN_ANGLE: f64 = 50e-6;
 /// Deviation of a block of unknown length: standard deviation, mm.
 const UNKNOWN_LENGTH: f64 = 0.02;
+/// Places and diameters of a plate of unknown places: standard deviations from the nominal ones, mm.
+const UNKNOWN_PLACE: f64 = 0.03;
+const UNKNOWN_DIAMETER: f64 = 0.01;
+/// Misalignment of such a plate in its plane and across it, over that of an artefact: 2 mrad and 0.1 mrad of 0.5.
+const PUT_DOWN: f64 = 4.0;
+const FLAT: f64 = 0.2;
 /// Share of the other extents that a face of a block has, so that no pair of faces protrudes beyond another.
 const OF_THE_FACE: f64 = 0.95;
 /// The base of a block, mm: by how much it is wider than the block on every side, and half its thickness.
@@ -92,6 +99,7 @@ enum Real {
         arms: [f64; 2],
     },
     Block(RealBlock),
+    Grid(RealGrid),
 }
 
 impl Real {
@@ -118,6 +126,7 @@ impl Real {
             }
             // Without places.
             Kind::Dial(_) => Real::Ball { diameter: 0.0 },
+            Kind::Grid(grid) => Real::Grid(RealGrid::new(grid, normal)),
             Kind::Block(block) => {
                 let off = artefact.uncertainty.unwrap_or(UNKNOWN_LENGTH);
                 Real::Block(RealBlock::new(block, before, (off, longer), normal))
@@ -135,6 +144,7 @@ impl Real {
         normal: &mut impl FnMut() -> f64,
     ) -> Vec<Artefact> {
         match self {
+            Real::Grid(grid) => grid.surfaces(place, tip, askew, normal),
             Real::Ball { diameter } => vec![Artefact::Ball { centre: tip, diameter: *diameter }],
             Real::Ring { diameter } => {
                 let mut axis: [f64; 3] = std::array::from_fn(|_| askew * normal());
@@ -237,6 +247,50 @@ impl RealBlock {
             surfaces.push(Artefact::Block { centre, directions, half });
         }
         surfaces
+    }
+}
+
+/// A plate with its true places and diameters.
+struct RealGrid {
+    holes: bool,
+    /// From the plate's middle, along its columns and rows.
+    centres: Vec<DVec2>,
+    diameters: Vec<f64>,
+}
+
+impl RealGrid {
+    /// Draws places and diameters; the known length is the stated one within its uncertainty.
+    fn new(grid: &Grid, normal: &mut impl FnMut() -> f64) -> RealGrid {
+        let mut draw = |size: f64| size * normal();
+        let mut centres: Vec<DVec2> = (0..grid.count())
+            .map(|ball| DVec2::from(grid.offset(ball)) + DVec2::new(draw(UNKNOWN_PLACE), draw(UNKNOWN_PLACE)))
+            .collect();
+        let diameters = (0..grid.count()).map(|_| grid.diameter_mm + draw(UNKNOWN_DIAMETER)).collect();
+        if let Some([mm, uncertainty]) = grid.length_mm {
+            let [from, to] = grid.ends.map(|ball| centres[ball]);
+            let scale = (mm + draw(uncertainty)) / from.distance(to);
+            centres.iter_mut().for_each(|centre| *centre *= scale);
+        }
+        RealGrid { holes: grid.holes, centres, diameters }
+    }
+
+    fn surfaces(&self, place: &Place, tip: DVec3, askew: f64, normal: &mut impl FnMut() -> f64) -> Vec<Artefact> {
+        let up = unit(place.normal);
+        let [first, second] = match place.normal {
+            Axis::X => [DVec3::Y, DVec3::Z],
+            Axis::Y => [DVec3::Z, DVec3::X],
+            _ => [DVec3::X, DVec3::Y],
+        };
+        // A plate lies flat; in its plane it is put down by eye.
+        let flat = turned(FLAT * askew, normal);
+        let by = PUT_DOWN * askew * normal().clamp(-2.0, 2.0) + 0.5 * PI * f64::from(place.turn);
+        let frame = flat * DMat3::from_axis_angle(up, by);
+        let at = |centre: &DVec2| tip + frame * (centre.x * first + centre.y * second);
+        let surface = |(centre, diameter): (&DVec2, &f64)| match self.holes {
+            true => Artefact::Ring { centre: at(centre), axis: frame * up, diameter: *diameter },
+            false => Artefact::Ball { centre: at(centre), diameter: *diameter },
+        };
+        self.centres.iter().zip(&self.diameters).map(surface).collect()
     }
 }
 
