@@ -209,3 +209,182 @@ fn the_features_of_the_sample_part_are_found_and_can_be_predicted() {
     folder.write("part.toml", &by_hand);
     assert_eq!(with_found, value(&folder.json(&call)));
 }
+
+/// Scale of X and squareness within 5 ppm and 5 µrad: over 60 mm of X and 80 mm of Y the distance of 100 mm has derivatives of
+/// 36 mm and 48 mm. Either alone leaves more than 0.3 µm.
+const TWO_TERMS: &str = "[axis.X.uncertainty]\nscale_ppm = 5\n[uncertainty.location]\nC0Y_urad = 5\n";
+const INSTRUMENTS: &str = "[[instrument]]\nkind = \"laser\"\nalong = [\"X\"]\n\
+                           [[instrument]]\nkind = \"square\"\nplanes = [\"XY\"]\nuncertainty_urad = 1\n\
+                           [probe]\nrepeatability_um = 0.1\n";
+
+fn advised(folder: &Folder, stated: &str, instruments: &str, limit: f64) {
+    let part = PART.replace("[-0.24, 0.24]", &format!("[-{limit}, {limit}]"));
+    write(folder, &format!("{OTHERS}{stated}"), PROGRAM, &format!("{part}{instruments}"));
+}
+
+/// u(f)² = 36² s² + 48² c² with s⁻² = 5⁻² + s_m⁻², c⁻² = 5⁻² + c_m⁻². The laser reads 0 and 200 mm twice, 0.2 µm a reading:
+/// s_m² = 0.2²/(4 · 0.1²) ppm² by the readings and 0.7² ppm² by its calibration. c_m is what `calibrate plan` foresees.
+#[test]
+fn advice_on_two_terms_is_the_closed_form_and_its_task_is_planned() {
+    let folder = Folder::new(TRUEAXIS);
+    advised(&folder, TWO_TERMS, INSTRUMENTS, 0.3);
+    let call = ["predict", ".", "part.toml", "--advise", "-o", "task.toml"];
+    let document = folder.json(&[&call[..], &["--json", "--report", "page"]].concat());
+    let planned = folder.json(&["calibrate", "plan", "task.toml", "-o", "probe.ngc", "--json"]);
+    let terms = planned["terms"].as_array().unwrap();
+    let of = |name: &str| terms.iter().find(|term| term["name"] == name).unwrap_or_else(|| panic!("{planned}"));
+    let c_m = of("squareness C0Y")["standard_error"].as_f64().unwrap();
+    let left = |measured: f64| 1.0 / (1.0 / 25.0 + 1.0 / (measured * measured));
+    let s_m = (0.2_f64.powi(2) / (4.0 * 0.1_f64.powi(2)) + 0.7_f64.powi(2)).sqrt();
+    let expanded = |s2: f64, c2: f64| 1.96e-3 * (36.0_f64.powi(2) * s2 + 48.0_f64.powi(2) * c2).sqrt();
+    let advice = &document["advice"];
+    let feature = &advice["features"][0];
+    let um = |key: &str| feature[key].as_f64().unwrap();
+    for (key, wanted) in [
+        ("before_um", expanded(25.0, 25.0)),
+        ("after_um", expanded(left(s_m), left(c_m))),
+        ("least_um", expanded(left(s_m), left(c_m))),
+    ] {
+        // The ends of 10,000 draws scatter by 1.4 %.
+        assert!((um(key) / wanted - 1.0).abs() < 0.04, "{key}: {wanted} for {advice}");
+    }
+    assert!(expanded(left(s_m), 25.0) > 0.3 && expanded(25.0, left(c_m)) > 0.3, "one would be enough: {c_m}");
+    assert_eq!((&feature["verdict_before"], &feature["verdict_after"]), (&"undecided".into(), &"conforms".into()));
+    let measurements = advice["measurements"].as_array().unwrap();
+    let names: Vec<&str> = measurements.iter().map(|of| of["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["laser along X", "square XY"]);
+    // An hour, and ten minutes beside those of the program.
+    let minutes = 60.0 + 10.0 + planned["minutes"].as_f64().unwrap();
+    assert!((advice["minutes"].as_f64().unwrap() - minutes).abs() < 1e-6, "{advice}");
+    let text = folder.good(&call);
+    for shown in [&text, &folder.read("page/predict.html")] {
+        for part in ["What to measure", "laser along X", "square XY", "Before and after", "expected after"] {
+            assert!(shown.contains(part), "{part}: {shown}");
+        }
+    }
+    // The task as an instrument of its own is the same measurement.
+    let laser = INSTRUMENTS.split_inclusive("[\"X\"]\n").next().unwrap();
+    let task = "[[instrument]]\nkind = \"task\"\nfile = \"task.toml\"\n";
+    advised(&folder, TWO_TERMS, &format!("{laser}{task}"), 0.3);
+    let again = folder.json(&["predict", ".", "part.toml", "--advise", "--json"]);
+    // Its readings come in another order, and with them other draws of their noise.
+    let after = again["advice"]["features"][0]["after_um"].as_f64().unwrap();
+    assert!((after / um("after_um") - 1.0).abs() < 0.04, "{again}");
+    assert!((again["advice"]["minutes"].as_f64().unwrap() - minutes).abs() < 1e-6, "{again}");
+}
+
+/// Fourteen measurements, more than every set is tried of: five squares and three lasers along three axes.
+#[test]
+fn of_many_measurements_the_shortest_is_found_step_by_step() {
+    let folder = Folder::new(TRUEAXIS);
+    let square = |k: usize| {
+        let minutes = if k == 3 { 4 } else { 9 };
+        format!(
+            "[[instrument]]\nkind = \"square\"\nname = \"s{k}\"\nplanes = [\"XY\"]\nuncertainty_urad = 1\n\
+             minutes = {minutes}\n"
+        )
+    };
+    let laser = |k: usize| format!("[[instrument]]\nkind = \"laser\"\nname = \"l{k}\"\nminutes = {}\n", 40 - k);
+    let all: String = (0..5).map(square).chain((0..3).map(laser)).collect();
+    let all = all + "[probe]\nrepeatability_um = 0.1\n";
+    for (limit, wanted) in [(0.45, &["s3 XY"][..]), (0.3, &["s3 XY", "l2 along X"])] {
+        advised(&folder, TWO_TERMS, &all, limit);
+        let advice = folder.json(&["predict", ".", "part.toml", "--advise", "--json"])["advice"].clone();
+        assert_eq!(advice["compared"].as_array().unwrap().len(), 14);
+        let names: Vec<&str> =
+            advice["measurements"].as_array().unwrap().iter().map(|of| of["name"].as_str().unwrap()).collect();
+        assert_eq!(names, wanted, "{advice}");
+    }
+}
+
+/// The scale of X counts from X 0: of the positions within the travel the lowest is the best. A hole at 60 mm comes to 41 mm.
+#[test]
+fn a_place_where_the_scale_matters_less_is_found() {
+    let folder = Folder::new(TRUEAXIS);
+    let part = PART.replace("[0, 0, -50]", "[20, 0, -50]");
+    let part = &part[..part.find("[[tolerance]]").unwrap()];
+    let position = "[[tolerance]]\nfeature = \"one\"\nkind = \"position\"\nwidth_um = 5\n";
+    let stated = "[axis.X.uncertainty]\nscale_ppm = 20\n";
+    write(&folder, &format!("{OTHERS}{stated}"), PROGRAM, &format!("{part}{position}{INSTRUMENTS}"));
+    let advice = folder.json(&["predict", ".", "part.toml", "--advise", "--json"])["advice"].clone();
+    let place = &advice["place"];
+    assert_eq!(place["at_mm"], serde_json::json!([1.0, 0.0, -50.0]), "{advice}");
+    let share = |key: &str| place[key].as_f64().unwrap();
+    assert!((share("there") / share("here") - 41.0 / 60.0).abs() < 1e-3, "{advice}");
+}
+
+/// The bevel is cut in negative X, where the carriage lags by an uncertain amount; the other way round it does not.
+#[test]
+fn a_direction_without_uncertain_lost_motion_is_found() {
+    let folder = Folder::new(TRUEAXIS);
+    let program = "G21 G90 G17 G94 F200\nG0 X0 Y0 Z10\nG0 X20\nG81 X40 Y20 Z-5 R2\nG80\nG0 X180\nG1 Z-5\nG1 X100 Y100\n\
+                   G0 Z10\nM2\n";
+    let part = PART.replace("name = \"two\"\nkind = \"hole\"", "name = \"two\"\nkind = \"line\"").replace("0.24", "2");
+    let stated = "[axis.X.uncertainty]\nbacklash_um = 1\n";
+    write(&folder, &format!("{OTHERS}{stated}"), program, &format!("{part}{INSTRUMENTS}"));
+    let call = ["predict", ".", "part.toml", "--advise"];
+    let advice = folder.json(&[&call[..], &["--json"]].concat())["advice"].clone();
+    let [direction] = &advice["directions"].as_array().unwrap()[..] else { panic!("{advice}") };
+    assert_eq!(direction["feature"], "two");
+    let share = |key: &str| direction[key].as_f64().unwrap();
+    // 1.96 · 1 µm · cos 45° of 2 µm; 200 draws.
+    assert!((share("here") - 0.693).abs() < 0.15 && share("there") < 1e-3, "{advice}");
+    assert!(folder.good(&call).contains("two cut the other way round"), "{advice}");
+}
+
+/// What is not needed is left out; what no measurement shows is named.
+#[test]
+fn advice_is_the_shortest_set_or_says_what_is_not_measured() {
+    let folder = Folder::new(TRUEAXIS);
+    let of = |stated: &str, limit: f64| {
+        advised(&folder, stated, INSTRUMENTS, limit);
+        folder.json(&["predict", ".", "part.toml", "--advise", "--json"])["advice"].clone()
+    };
+    let names = |advice: &Value| -> Vec<String> {
+        advice["measurements"].as_array().unwrap().iter().map(|of| of["name"].as_str().unwrap().to_owned()).collect()
+    };
+    // The square alone is enough, and shorter than the laser.
+    assert_eq!(names(&of(TWO_TERMS, 0.45)), ["square XY"]);
+    assert!(names(&of(TWO_TERMS, 0.7)).is_empty());
+    let scattered = TWO_TERMS.replace("scale_ppm = 5", "scale_ppm = 5\nrepeatability_um = 1");
+    let advice = of(&scattered, 0.3);
+    assert!(names(&advice).is_empty(), "{advice}");
+    let left = &advice["features"][0]["left"][0];
+    assert_eq!((&left["term"], &left["is_measured"]), (&"repeatability X".into(), &false.into()));
+    let text = folder.good(&["predict", ".", "part.toml", "--advise", "-o", "task.toml"]);
+    for part in ["brings one more feature", "repeatability X", "not measured"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert!(!folder.has("task.toml"));
+}
+
+#[test]
+fn advice_without_what_it_needs_is_refused() {
+    let folder = Folder::new(TRUEAXIS);
+    let bad = |stated: &str, instruments: &str, parts: &[&str]| {
+        advised(&folder, stated, instruments, 0.3);
+        folder.bad(&["predict", ".", "part.toml", "--advise"], parts);
+    };
+    bad("", INSTRUMENTS, &["small: no advice", "uncertainty.device_um_per_m"]);
+    bad(TWO_TERMS, "", &["part.toml", "instrument: found nothing", "[[instrument]]"]);
+    let one = |text: &str| format!("[[instrument]]\n{text}\n");
+    bad(TWO_TERMS, &one("kind = \"ruler\""), &["part.toml:18", "ruler", "gauge block"]);
+    bad(TWO_TERMS, &one("minutes = 5"), &["part.toml:18", "kind", "\"ballbar\""]);
+    bad(TWO_TERMS, &one("kind = \"laser\"\nalong = [\"A\"]"), &["part.toml:19", "each once of X, Y, Z"]);
+    bad(TWO_TERMS, &one("kind = \"laser\"\nalong = [\"X\", \"X\"]"), &["part.toml:19", "each once of X, Y, Z"]);
+    bad(TWO_TERMS, &one("kind = \"ring\"\nminutes = 0"), &["part.toml:19", "0.1 to 10000 minutes"]);
+    bad(TWO_TERMS, &one("kind = \"ring\"\nlength_mm = 5"), &["part.toml:19", "length_mm"]);
+    bad(TWO_TERMS, &one("kind = \"task\""), &["part.toml:18", "file", "a task of calibrate"]);
+    bad(TWO_TERMS, &one("kind = \"task\"\nfile = \"none.toml\""), &["none.toml"]);
+    let twice = one("kind = \"ball\"").repeat(2);
+    bad(TWO_TERMS, &twice, &["part.toml:20", "a second ball", "another name"]);
+    bad(
+        TWO_TERMS,
+        &format!("{}[probe]\ntip_radius_mm = 0\n", one("kind = \"ball\"")),
+        &["part.toml:20", "0.05 to 25 mm"],
+    );
+    // Beyond the travel of 200 mm: said, and the rest goes on.
+    advised(&folder, TWO_TERMS, &format!("{INSTRUMENTS}{}", one("kind = \"ballbar\"\nradius_mm = 150")), 0.3);
+    let text = folder.good(&["predict", ".", "part.toml", "--advise"]);
+    assert!(text.contains("not compared, ballbar XY: found X at") && text.contains("square XY"), "{text}");
+}

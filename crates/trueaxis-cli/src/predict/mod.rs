@@ -1,18 +1,21 @@
 //! `trueaxis predict`.
 
-use crate::output::{data, json, print};
+use crate::output::{data, json, print, report_line};
 use crate::{model, report};
 use anyhow::{Result, bail};
 use clap::Args;
-use std::path::PathBuf;
-use trueaxis_evaluation::predict::{Options, Part, find, predict, sections};
+use std::path::{Path, PathBuf, absolute};
+use trueaxis_evaluation::calibrate::Task;
+use trueaxis_evaluation::predict::{Advice, Options, Part, advise, elsewhere, find, predict, sections};
 use trueaxis_sim::program::{Program, ReadOptions, Source};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::uncertainty::Uncertainties;
 
 pub(crate) const EXAMPLE: &str = "\
 Example:
-  trueaxis predict compensation-tables/mill-3axis records/plate/part.toml";
+  trueaxis predict compensation-tables/mill-3axis records/plate/part.toml
+  trueaxis predict records/retrofit records/plate/part.toml \\
+    --advise -o task.toml";
 
 pub(crate) const HELP: &str = "\
 The part's file states where the program's zero is in the machine, the lines of the program that cut each feature, and the tolerances:
@@ -29,6 +32,18 @@ arrives, and with corrections as far as their limits in the machine.toml admit. 
 Machines drawn from the uncertainties in the machine.toml (see `trueaxis uncertainty`) give the interval that contains the \
 true value with 95 %. A feature conforms if this interval is within the tolerance, does not conform if it is outside, and is \
 otherwise undecided (ISO 14253-1). Verdicts, uncertainties and contributions are those of the corrected part.
+
+--advise compares the measurements that the owner's instruments allow, stated in the part's file:
+  [[instrument]] with kind = ball, ring, gauge block, square, ballbar, laser, or task with file = a task of
+    calibrate; as far as the defaults are not right:
+    minutes, uncertainty_um (square: uncertainty_urad, laser: uncertainty_um_per_m), at_mm,
+    diameter_mm, length_mm, arm_mm, radius_mm, repeatability_um (ballbar, laser),
+    planes (ring, square, ballbar), along (gauge block, laser)
+  [probe] with dialect, tip_radius_mm, tip_uncertainty_um, repeatability_um
+It names the shortest set with which most features get a verdict if the predicted values hold, with minutes and every \
+feature's uncertainty before and after; what no measurement shows; a better place in X and Y; features that lost motion makes \
+better cut the other way round; and those to which the correction gives another verdict. -o writes the task for \
+`trueaxis calibrate plan`.
 
 --find is a start for the part's file, which then needs only name, program and at_mm. It finds full circles, holes, planes \
 milled line by line, and straight lines in the plane of G17, G18 or G19; delete those that are not finished surfaces.
@@ -55,6 +70,12 @@ pub(crate) struct PredictArgs {
     /// Print the features that the program cuts, as sections for the part's file, and predict nothing.
     #[arg(long, conflicts_with_all = ["json", "report"])]
     find: bool,
+    /// Advise what to measure, where to put the part and which way round to cut.
+    #[arg(long, conflicts_with = "find")]
+    advise: bool,
+    /// The task for `calibrate plan`, if the advice has measurements with the probe.
+    #[arg(short, long, value_name = "TASK.toml", requires = "advise")]
+    output: Option<PathBuf>,
     /// Print one JSON document instead of a table.
     #[arg(long)]
     json: bool,
@@ -78,13 +99,39 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     let machine = model::source(&arguments.machine)?;
     let stated = Uncertainties::read(&arguments.machine)?;
     let options = Options { trials: arguments.trials, seed: arguments.seed };
-    let document = predict(&machine, &stated, &program, &part, options)?;
+    let mut document = predict(&machine, &stated, &program, &part, options)?;
+    if arguments.advise {
+        let read = |name: &str| {
+            let file = arguments.part.with_file_name(name);
+            Ok(Task::read(&model::text(&file)?, &file)?)
+        };
+        let mut advice = advise(&machine, &stated, &program, &part, &document, &read)?;
+        advice.elsewhere = Some(elsewhere(&machine, &stated, &program, &part, &document)?);
+        document.advice = Some(advice);
+    }
+    let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]);
+    let mut outputs = Outputs::of(inputs);
+    let written = match (&arguments.output, &document.advice) {
+        (Some(to), Some(advice)) => stage_task(&mut outputs, to, &arguments.machine, advice)?,
+        _ => None,
+    };
     if let Some(to) = &arguments.report {
-        let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]);
-        let mut outputs = Outputs::of(inputs);
         let page = document.shown().page("", [report::predict::margins(&document)]);
         report::write_to(&mut outputs, &page, to, "predict.html")?;
-        outputs.commit()?;
     }
+    outputs.commit()?;
+    written.iter().for_each(report_line);
     if arguments.json { json(&document) } else { print(&document.shown().text()) }
+}
+
+/// Stages the task of an advice; what to say about it.
+fn stage_task(outputs: &mut Outputs, to: &Path, machine: &Path, advice: &Advice) -> Result<Option<String>> {
+    let Some(task) = &advice.task else {
+        return Ok(Some(format!("not written {}: no measurement with the probe is needed", to.display())));
+    };
+    let beside = to.parent().is_none_or(|folder| folder.as_os_str().is_empty());
+    let machine = if beside { machine.to_owned() } else { absolute(machine)? };
+    outputs.put(to, task.text(&machine.display().to_string()).as_bytes())?;
+    let to = to.display();
+    Ok(Some(format!("written {to}: next, trueaxis calibrate plan {to} -o probe.ngc")))
 }

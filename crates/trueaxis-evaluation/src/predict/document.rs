@@ -1,10 +1,12 @@
 //! The document of a predicted part.
 
 use super::Options;
+use super::advise::document::Advice;
 use super::unknowns::Model;
+use super::verdict::verdict_of;
 use serde::Serialize;
 use trueaxis_metrology::order::sort_by_number;
-use trueaxis_metrology::uncertainty::{Interval, Verdict, quantile, verdict_within};
+use trueaxis_metrology::uncertainty::{Interval, quantile};
 use trueaxis_sim::program::Program;
 
 /// Coverage of the intervals.
@@ -33,6 +35,9 @@ pub struct PredictDocument {
     pub not_stated: Vec<String>,
     /// Remarks: on the machine's uncertainties, and on limits that reduce its correction.
     pub warnings: Vec<String>,
+    /// What to do about it, where asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub advice: Option<Advice>,
 }
 
 /// A toleranced characteristic of a feature.
@@ -126,6 +131,7 @@ impl PredictDocument {
             features: features.collect(),
             not_stated: model.terms.not_stated.clone(),
             warnings: model.terms.warnings.clone(),
+            advice: None,
         }
     }
 }
@@ -155,11 +161,7 @@ impl Outcome {
             expanded_um: 1e3 * 0.5 * (interval.high - interval.low),
             interval_um: Interval { low: 1e3 * interval.low, high: 1e3 * interval.high },
             conformance: inside as f64 / self.values.len().max(1) as f64,
-            verdict: match verdict_within(interval, [low, high]) {
-                Verdict::Pass => "conforms",
-                Verdict::Fail => "does not conform",
-                Verdict::Undecided => "undecided",
-            },
+            verdict: verdict_of(interval, [low, high]),
             parts_cut: self.cut.then_some(self.values.len()),
             budget,
         }

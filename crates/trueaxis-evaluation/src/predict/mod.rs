@@ -19,6 +19,7 @@
 //!
 //! Sources: JCGM 101:2008, clause 7; ISO 14253-1:2017, clause 5; ISO 1101:2017 (zones); ISO 5459:2011 (datums).
 
+mod advise;
 mod characteristic;
 mod cut;
 mod document;
@@ -27,7 +28,12 @@ mod fit;
 mod part;
 mod shown;
 mod unknowns;
+mod verdict;
 
+pub use advise::{
+    Advice, Advised, AdvisedTask, Directed, Elsewhere, Instrument, InstrumentKind, Left, Measurement, Placed, Touching,
+    advise, elsewhere,
+};
 pub use document::{Contribution, Known, PredictDocument, Predicted};
 pub use find::{find, sections};
 pub use part::{Characteristic, Feature, FeatureKind, Part, Tolerance};
@@ -85,20 +91,40 @@ pub fn predict(
     if !(CHECKED..=MOST_TRIALS).contains(&options.trials) {
         bail!("trials: found {}, needed {CHECKED} to {MOST_TRIALS}", options.trials);
     }
-    if part.tolerances.is_empty() {
-        bail!("{}: key tolerance: found nothing, needed at least one section [[tolerance]]", part.file.display());
-    }
-    let (cuts, clipped) = cut::features(machine, program, part)?;
-    let nominal = nominal(program, part, &cuts)?;
-    characteristic::check(part, &nominal)?;
-    datums_first(part, &cuts)?;
-    let mut terms = Terms::stated(machine, stated);
-    terms.warnings.extend(clipped.notes(&machine.settings, "point"));
-    let model = Model { machine, part, cuts: &cuts, nominal: &nominal, terms: &terms };
+    let prepared = Prepared::new(machine, stated, program, part)?;
+    let model = prepared.model(machine, part);
     let nothing = model.nothing();
     let [uncorrected, corrected] = [model.cut(&nothing, State::Uncorrected)?, model.cut(&nothing, State::Corrected)?];
-    let outcomes = if terms.all.is_empty() { Vec::new() } else { outcomes(&model, &corrected, options)? };
+    let outcomes = if model.terms.all.is_empty() { Vec::new() } else { outcomes(&model, &corrected, options)? };
     Ok(PredictDocument::new(&model, program, options, [&uncorrected, &corrected], outcomes))
+}
+
+/// The features of a part on a machine, and what is not known of it.
+struct Prepared {
+    cuts: Vec<Cut>,
+    nominal: Vec<Nominal>,
+    terms: Terms,
+}
+
+impl Prepared {
+    /// # Errors
+    /// As [`predict`].
+    fn new(machine: &Machine, stated: &Uncertainties, program: &Program, part: &Part) -> Result<Prepared> {
+        if part.tolerances.is_empty() {
+            bail!("{}: key tolerance: found nothing, needed at least one section [[tolerance]]", part.file.display());
+        }
+        let (cuts, clipped) = cut::features(machine, program, part)?;
+        let nominal = nominal(program, part, &cuts)?;
+        characteristic::check(part, &nominal)?;
+        datums_first(part, &cuts)?;
+        let mut terms = Terms::stated(machine, stated);
+        terms.warnings.extend(clipped.notes(&machine.settings, "point"));
+        Ok(Prepared { cuts, nominal, terms })
+    }
+
+    fn model<'m>(&'m self, machine: &'m Machine, part: &'m Part) -> Model<'m> {
+        Model { machine, part, cuts: &self.cuts, nominal: &self.nominal, terms: &self.terms }
+    }
 }
 
 fn nominal(program: &Program, part: &Part, cuts: &[Cut]) -> Result<Vec<Nominal>> {
@@ -146,11 +172,14 @@ fn response(model: &Model<'_>, unknown: &Unknown, at_zero: &[f64]) -> Result<Res
     Ok(Response { derivatives, contributions })
 }
 
+fn responses(model: &Model<'_>, unknowns: &[Unknown], at_zero: &[f64]) -> Result<Vec<Response>> {
+    (0..unknowns.len()).into_par_iter().map(|k| response(model, &unknowns[k], at_zero)).collect()
+}
+
 /// What the draws give for each tolerance.
 fn outcomes(model: &Model<'_>, at_zero: &[f64], Options { trials, seed }: Options) -> Result<Vec<Outcome>> {
     let unknowns = model.unknowns();
-    let responses = (0..unknowns.len()).into_par_iter().map(|k| response(model, &unknowns[k], at_zero));
-    let responses = responses.collect::<Result<Vec<_>>>()?;
+    let responses = responses(model, &unknowns, at_zero)?;
     let linear = |number: u64| -> Vec<f64> {
         let drawn = model.draw(seed, number);
         let mut values = at_zero.to_vec();

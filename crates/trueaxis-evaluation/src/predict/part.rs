@@ -1,5 +1,6 @@
 //! `PART.toml`: where a part stands, its features by lines of the program, and its tolerances.
 
+use super::advise::instrument::{Instrument, Touching, read_instrument, read_probe};
 use crate::calibrate::ranges::number;
 use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
@@ -148,6 +149,10 @@ pub struct Part {
     pub features: Vec<Feature>,
     /// Tolerances in the order of the file.
     pub tolerances: Vec<Tolerance>,
+    /// What the owner can measure with.
+    pub instruments: Vec<Instrument>,
+    /// The probe.
+    pub probe: Touching,
 }
 
 /// Most features, and most tolerances.
@@ -179,8 +184,10 @@ impl Part {
             let tolerances = all(&root, "tolerance")?;
             let tolerances =
                 tolerances.into_iter().map(|one| read_tolerance(one, &features)).collect::<Result<_, _>>()?;
+            let instruments = all(&root, "instrument")?.into_iter().map(read_instrument).collect::<Result<_, _>>()?;
+            let probe = root.section("probe")?.map_or_else(|| Ok(Touching::default()), read_probe)?;
             root.finish(None)?;
-            Ok(Part { file: file.into(), name, program, at_mm: at.value, features, tolerances })
+            Ok(Part { file: file.into(), name, program, at_mm: at.value, features, tolerances, instruments, probe })
         })
     }
 

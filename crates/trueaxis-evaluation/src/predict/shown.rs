@@ -1,5 +1,6 @@
 //! Tables of a predicted part.
 
+use super::advise::document::Advice;
 use super::{Known, PredictDocument, Predicted};
 use crate::shown::{Cell, EXPANDED, Shown, Table};
 use trueaxis_metrology::uncertainty::Interval;
@@ -35,9 +36,11 @@ impl PredictDocument {
             let counts = counts.into_iter().filter(|(count, _)| *count > 0);
             let parts =
                 counts.map(|(count, [one, several])| format!("{count} {}", if count == 1 { one } else { several }));
-            format!("{}.", parts.collect::<Vec<_>>().join(", "))
+            let advice = self.advice.as_ref().map_or_else(String::new, |advice| format!(" {}.", advice.sentence()));
+            format!("{}.{advice}", parts.collect::<Vec<_>>().join(", "))
         };
         notes.push("servo, temperature while cutting, tool and process are not included".into());
+        notes.extend(self.advice.iter().flat_map(Advice::notes));
         let [x, y, z] = self.at_mm.map(shortest);
         Shown {
             title: "Part before it is cut".into(),
@@ -50,7 +53,10 @@ impl PredictDocument {
             ],
             result,
             notes,
-            tables: std::iter::once(self.verdicts()).chain((!known.is_empty()).then(|| budget(&known))).collect(),
+            tables: std::iter::once(self.verdicts())
+                .chain((!known.is_empty()).then(|| budget(&known)))
+                .chain(self.advice.iter().flat_map(Advice::tables))
+                .collect(),
             ..Shown::default()
         }
     }
@@ -77,7 +83,7 @@ impl PredictDocument {
 
 impl Predicted {
     /// Feature, characteristic and datums.
-    fn title(&self) -> String {
+    pub(super) fn title(&self) -> String {
         match (self.kind, self.datums.is_empty()) {
             (_, true) => format!("{}, {}", self.feature, self.kind),
             ("distance", _) => format!("{}, distance from {}", self.feature, self.datums.join(", ")),

@@ -48,15 +48,35 @@ pub(super) struct Drawn {
 impl Drawn {
     /// The value of an unknown, squared where its effect is.
     pub(super) fn of(&self, unknown: &Unknown) -> f64 {
+        let z = self.plain(unknown);
+        if unknown.squared { z * z } else { z }
+    }
+
+    /// The value of an unknown.
+    pub(super) fn plain(&self, unknown: &Unknown) -> f64 {
         let approaches = &self.approaches[unknown.term];
         let all = if approaches.is_empty() { &self.values[unknown.term] } else { approaches };
-        let z = all.get(unknown.index).copied().unwrap_or(0.0);
-        if unknown.squared { z * z } else { z }
+        all.get(unknown.index).copied().unwrap_or(0.0)
+    }
+
+    /// Changes the value of an unknown.
+    pub(super) fn set(&mut self, unknown: &Unknown, z: f64) {
+        let approaches = &mut self.approaches[unknown.term];
+        let all = if approaches.is_empty() { &mut self.values[unknown.term] } else { approaches };
+        if let Some(value) = all.get_mut(unknown.index) {
+            *value = z;
+        }
+    }
+
+    /// The values that do not differ from approach to approach, by term.
+    pub(super) fn common(&self) -> &[Vec<f64>] {
+        &self.values
     }
 }
 
 impl Model<'_> {
-    fn is_approach(&self, term: usize) -> bool {
+    /// Whether a term differs from approach to approach.
+    pub(super) fn is_approach(&self, term: usize) -> bool {
         let along = |one: &Along| one.counts == Counts::Approach;
         matches!(&self.terms.all[term].effect, Effect::Along(axes) if axes.iter().any(along))
     }
@@ -87,20 +107,26 @@ impl Model<'_> {
     /// One unknown alone.
     pub(super) fn alone(&self, unknown: &Unknown, z: f64) -> Drawn {
         let mut drawn = self.nothing();
-        let approaches = &mut drawn.approaches[unknown.term];
-        let all = if approaches.is_empty() { &mut drawn.values[unknown.term] } else { approaches };
-        if let Some(value) = all.get_mut(unknown.index) {
-            *value = z;
-        }
+        drawn.set(unknown, z);
         drawn
     }
 
     /// The unknowns that can have an effect on the part.
     pub(super) fn unknowns(&self) -> Vec<Unknown> {
+        self.unknowns_at(|axis, of| self.near(axis, of))
+    }
+
+    /// The unknowns of the whole machine.
+    pub(super) fn all_unknowns(&self) -> Vec<Unknown> {
+        self.unknowns_at(|_, of| (0..of.len()).filter(|row| of[*row] > 0.0).collect())
+    }
+
+    /// The unknowns, of tables those at these points.
+    fn unknowns_at(&self, points: impl Fn(usize, &[f64]) -> Vec<usize>) -> Vec<Unknown> {
         let mut unknowns = Vec::new();
         for (term, of) in self.terms.all.iter().enumerate() {
             let indices: Vec<usize> = match &of.effect {
-                Effect::Points { axis, of, .. } => self.near(axis.index(), of),
+                Effect::Points { axis, of, .. } => points(axis.index(), of),
                 Effect::Along(_) if self.is_approach(term) => (0..self.cuts.len()).collect(),
                 _ => vec![0],
             };

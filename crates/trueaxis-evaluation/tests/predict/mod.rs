@@ -1,5 +1,6 @@
 //! Predicted parts, against parts that another plant cuts and other formulas measure.
 
+mod advised;
 mod measured;
 mod plant;
 

@@ -119,7 +119,7 @@ impl Errors {
     }
 
     /// The position that brings the tip of this machine to a point.
-    fn corrected(&self, to: V) -> V {
+    pub(super) fn corrected(&self, to: V) -> V {
         let mut q = to;
         for _ in 0..6 {
             let miss = sub(self.tip(q, [false; 3], [0.0; 3]), to);

@@ -31,7 +31,7 @@ mod selection;
 mod surface;
 
 pub use ball::{BallFit, fit_ball};
-pub use network::{Network, Solution, Unknown};
+pub use network::{Network, Shown, Solution, Unknown};
 pub use selection::Selection;
 pub use surface::{Centre, Part, Surface, Touch};
 

@@ -2,7 +2,7 @@
 
 use super::CalibrationRefusal;
 use super::least_squares::{Solved, solve};
-use super::surface::Touch;
+use super::surface::{Row, Touch, dot};
 use nalgebra::{DMatrix, DVector};
 use std::vec::Vec;
 
@@ -68,6 +68,15 @@ pub struct Solution {
     pub rank: usize,
     /// Root mean square of the touches' movement across their surfaces due to the terms, mm.
     pub signal_mm: f64,
+}
+
+/// What the terms of a network show of other quantities.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// Terms (rows) per unit of each quantity (columns).
+    pub design: Vec<Vec<f64>>,
+    /// Covariance of the terms, row by row.
+    pub covariance: Vec<Vec<f64>>,
 }
 
 impl Solution {
@@ -162,6 +171,31 @@ impl Network {
             condition: solved.condition,
             rank: count,
         })
+    }
+
+    /// What the solution's terms would show of other movements of the tip, linearised where the network starts:
+    /// `moved[k][touch]` is the movement by quantity k, mm. Rows: terms; columns: quantities. Also the covariance of the terms
+    /// by repeatability and known sizes.
+    ///
+    /// # Errors
+    /// As [`Network::foresee`].
+    pub fn shown(&self, moved: &[Vec<[f64; 3]>]) -> Result<Shown, CalibrationRefusal> {
+        let values: Vec<f64> = self.unknowns.iter().map(|unknown| unknown.start).collect();
+        let sigma = self.repeatability_mm;
+        let solved = self.step(&values, sigma, None)?;
+        let rows: Vec<_> = self.touches.iter().map(|touch| touch.row(&values, self.tip)).collect();
+        // Weight of every touch in every term: (AᵀA)⁻¹Aᵀ.
+        let weight = |term: usize, row: &Row| -> f64 {
+            let parts = row.derivatives.iter().map(|(unknown, value)| solved.covariance[(term, *unknown)] * value);
+            parts.sum::<f64>() / (sigma * sigma)
+        };
+        let weights = (0..self.terms).map(|term| rows.iter().map(|row| weight(term, row)).collect::<Vec<_>>());
+        let across = |touches: &[[f64; 3]]| rows.iter().zip(touches).map(|(row, by)| dot(row.across, *by)).collect();
+        let moved: Vec<Vec<f64>> = moved.iter().map(|touches| across(touches)).collect();
+        let sum = |weights: &[f64], moved: &[f64]| weights.iter().zip(moved).map(|(w, by)| w * by).sum::<f64>();
+        let design = weights.map(|weights| moved.iter().map(|of| sum(&weights, of)).collect()).collect();
+        let entry = |row: usize| (0..self.terms).map(|column| solved.covariance[(row, column)]).collect();
+        Ok(Shown { design, covariance: (0..self.terms).map(entry).collect() })
     }
 
     /// Degrees of freedom of the touches: r = n − p + Σ s_k²/u_k² over the quantities known within u_k.

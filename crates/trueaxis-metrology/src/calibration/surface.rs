@@ -92,6 +92,8 @@ pub struct Touch {
 pub(super) struct Row {
     pub(super) residual: f64,
     pub(super) derivatives: Vec<(usize, f64)>,
+    /// Derivative with respect to the tip's position.
+    pub(super) across: [f64; 3],
 }
 
 pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -209,6 +211,6 @@ impl Touch {
         for (knot, weight) in &self.drift {
             derivatives.extend((0..3).map(|k| (knot + k, -weight * gradient[k])));
         }
-        Row { residual, derivatives }
+        Row { residual, derivatives, across: gradient }
     }
 }

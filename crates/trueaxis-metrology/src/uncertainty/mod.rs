@@ -15,6 +15,7 @@ mod decision;
 mod draws;
 mod factor;
 mod positioning;
+mod update;
 
 pub use budget::{Contribution, Covariance};
 pub use coverage::{Interval, half_width, quantile};
@@ -22,3 +23,4 @@ pub use decision::{Verdict, verdict, verdict_within};
 pub use draws::Draws;
 pub use factor::{chi_squared_quantile, student_factor};
 pub use positioning::{Band, FIGURES, Instrument, Positioning, Take, positioning};
+pub use update::{Update, condensed};

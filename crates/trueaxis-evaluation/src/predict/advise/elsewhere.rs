@@ -1,0 +1,148 @@
+//! The part at another place, or a feature cut the other way round.
+
+use super::document::{Directed, Placed};
+use crate::predict::{FeatureKind, Options, Part, PredictDocument, Predicted, predict};
+use anyhow::Result;
+use trueaxis_sim::program::{Curve, Move, Program};
+use trueaxis_tables::Machine;
+use trueaxis_tables::uncertainty::Uncertainties;
+
+/// Draws of a comparison: places differ by the machine, not by chance, since the seed is the same.
+const TRIALS: u64 = 200;
+/// Places along X and Y.
+const PLACES: usize = 3;
+/// Share of the way to the end of the travel: the correction needs the rest.
+const ROOM: f64 = 0.95;
+/// Least improvement that is worth saying.
+const BETTER: f64 = 0.05;
+/// Share of the variance by lost motion above which a feature is tried the other way round.
+const LOST_MOTION: f64 = 0.02;
+
+/// Machine and part as asked for.
+pub(super) struct Asked<'a> {
+    pub(super) machine: &'a Machine,
+    pub(super) stated: &'a Uncertainties,
+    pub(super) program: &'a Program,
+    pub(super) part: &'a Part,
+    pub(super) seed: u64,
+}
+
+impl Asked<'_> {
+    fn predict(&self, program: &Program, part: &Part) -> Result<PredictDocument> {
+        predict(self.machine, self.stated, program, part, Options { trials: TRIALS, seed: self.seed })
+    }
+
+    /// The best of some places in X and Y; `room`: how far the part can move down and up along each. `None` if it is where it
+    /// is best.
+    pub(super) fn place(&self, room: [[f64; 2]; 2]) -> Result<Option<Placed>> {
+        let here = worst(&self.predict(self.program, self.part)?);
+        let mut best = (here, self.part.at_mm);
+        let mut compared = 1;
+        let shift = |[low, high]: [f64; 2], k: usize| ROOM * (low + (high - low) * k as f64 / (PLACES - 1) as f64);
+        let mut tried = vec![self.part.at_mm];
+        for (i, j) in (0..PLACES).flat_map(|i| (0..PLACES).map(move |j| (i, j))) {
+            let mut at = self.part.at_mm;
+            for (q, by) in at.iter_mut().zip([shift(room[0], i), shift(room[1], j)]) {
+                // To the millimetre, towards where the part is.
+                *q += by.trunc();
+            }
+            if tried.contains(&at) {
+                continue;
+            }
+            tried.push(at);
+            let part = Part { at_mm: at, ..self.part.clone() };
+            // The correction may lead out of the travel at its ends.
+            let Ok(document) = self.predict(self.program, &part) else { continue };
+            compared += 1;
+            let there = worst(&document);
+            if there < best.0 {
+                best = (there, at);
+            }
+        }
+        let (there, at_mm) = best;
+        Ok((there < (1.0 - BETTER) * here).then_some(Placed { at_mm, here, there, compared }))
+    }
+
+    /// The features that lost motion decides, cut the other way round, where that is better.
+    pub(super) fn directions(&self, predicted: &PredictDocument) -> Result<Vec<Directed>> {
+        let depends = |of: &Predicted| {
+            let budget = of.known.iter().flat_map(|known| &known.budget);
+            budget.filter(|one| one.term.starts_with("backlash")).map(|one| one.share).sum::<f64>() > LOST_MOTION
+        };
+        let mut found = Vec::new();
+        let mut here = None;
+        for (index, feature) in self.part.features.iter().enumerate() {
+            let own: Vec<usize> = (0..self.part.tolerances.len())
+                .filter(|k| self.part.tolerances[*k].feature == index && depends(&predicted.features[*k]))
+                .collect();
+            if feature.kind == FeatureKind::Hole || own.is_empty() {
+                continue;
+            }
+            let Some(program) = reversed(self.program, feature.lines) else { continue };
+            let Ok(there) = self.predict(&program, self.part) else { continue };
+            if here.is_none() {
+                here = Some(self.predict(self.program, self.part)?);
+            }
+            let Some(here) = &here else { continue };
+            // Others refer to it as a datum: none of them may be worse.
+            let all = here.features.iter().zip(&there.features);
+            let is_worse = |(now, then): (&Predicted, &Predicted)| share(then) > (1.0 + BETTER) * share(now).max(1e-3);
+            if all.clone().any(is_worse) {
+                continue;
+            }
+            let gain = |k: &usize| share(&here.features[*k]) - share(&there.features[*k]);
+            let Some(k) = own.into_iter().max_by(|a, b| gain(a).total_cmp(&gain(b))) else { continue };
+            let [here, there] = [here, &there].map(|document| share(&document.features[k]));
+            if there < (1.0 - BETTER) * here {
+                found.push(Directed { feature: feature.name.clone(), kind: predicted.features[k].kind, here, there });
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// The largest end of a feature's interval as a share of its tolerance.
+fn share(of: &Predicted) -> f64 {
+    let Some(known) = &of.known else { return 0.0 };
+    let [low, high] = [known.interval_um.low, known.interval_um.high];
+    match of.limits_um {
+        [Some(least), Some(most)] => {
+            let [middle, half] = [0.5 * (least + most), 0.5 * (most - least)];
+            (high - middle).max(middle - low) / half
+        }
+        [_, Some(width)] => high / width,
+        [_, None] => 0.0,
+    }
+}
+
+fn worst(document: &PredictDocument) -> f64 {
+    document.features.iter().map(share).fold(0.0, f64::max)
+}
+
+/// The program with the moves of these lines cut backwards; `None` if one of them is a spline.
+fn reversed(program: &Program, [from, to]: [u32; 2]) -> Option<Program> {
+    let mut program = program.clone();
+    let own = |line: u32| (from..=to).contains(&line);
+    let first = program.moves.iter().position(|step| own(step.line) && !step.rapid)?;
+    let last = program.moves.iter().rposition(|step| own(step.line) && !step.rapid)?;
+    let moves = &mut program.moves[first..=last];
+    moves.reverse();
+    for step in moves {
+        match &mut step.curve {
+            Curve::Line { start, end } => std::mem::swap(start, end),
+            Curve::Arc { start, end, normal, .. } => {
+                std::mem::swap(start, end);
+                *normal = normal.map(|part| -part);
+            }
+            Curve::Nurbs { .. } => return None,
+        }
+    }
+    // To the new start, so that the first point is reached along the feature.
+    let ends = |step: &Move| [step.curve.domain().0, step.curve.domain().1].map(|u| step.curve.position(u));
+    let [to, _] = ends(&program.moves[first]);
+    let [_, from] = first.checked_sub(1).map_or([to; 2], |before| ends(&program.moves[before]));
+    let curve = Curve::Line { start: from, end: to };
+    let way = Move { rapid: true, curve, ..program.moves[first].clone() };
+    program.moves.insert(first, way);
+    Some(program)
+}

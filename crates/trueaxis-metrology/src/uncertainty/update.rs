@@ -1,0 +1,136 @@
+//! What measurements leave of the uncertainty of independent quantities.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use std::vec::Vec;
+
+/// Quantities z, independent and of unit variance, after a measurement y = D z + ε with covariance R of ε.
+///
+/// ```text
+/// P = (1 + Dᵀ R⁻¹ D)⁻¹ = 1 − Dᵀ S⁻¹ D,   S = D Dᵀ + R
+/// z − ẑ = z − Dᵀ S⁻¹ (D z + ε)           has the covariance P
+/// ```
+///
+/// Source: Särkkä, Bayesian Filtering and Smoothing, 2013, section 4.3; for the draws Chilès and Delfiner, Geostatistics,
+/// 2nd ed., section 7.3.
+#[derive(Clone, Debug)]
+pub struct Update {
+    design: DMatrix<f64>,
+    /// Lower factor of R.
+    noise: DMatrix<f64>,
+    sum: Cholesky<f64, Dyn>,
+}
+
+impl Update {
+    /// The rows of D, and R row by row; `None` if R or S is not positive definite or a row has another length.
+    pub fn new(design: &[Vec<f64>], noise: &[Vec<f64>]) -> Option<Update> {
+        let (rows, count) = (design.len(), design.first()?.len());
+        if noise.len() != rows || design.iter().any(|row| row.len() != count) || noise.iter().any(|r| r.len() != rows) {
+            return None;
+        }
+        let design = DMatrix::from_fn(rows, count, |row, column| design[row][column]);
+        let noise = DMatrix::from_fn(rows, rows, |row, column| noise[row][column]);
+        let sum = Cholesky::new(&design * design.transpose() + &noise)?;
+        Some(Update { design, noise: Cholesky::new(noise)?.l(), sum })
+    }
+
+    /// Number of readings.
+    pub fn readings(&self) -> usize {
+        self.noise.nrows()
+    }
+
+    /// Weights w of the readings in the estimate of d · z: w = S⁻¹ D d.
+    pub fn weights(&self, d: &[f64]) -> Vec<f64> {
+        self.sum.solve(&(&self.design * DVector::from_column_slice(d))).as_slice().to_vec()
+    }
+
+    /// Variance of d · z after the measurement: d P dᵀ.
+    pub fn variance(&self, d: &[f64]) -> f64 {
+        let seen = &self.design * DVector::from_column_slice(d);
+        let before: f64 = d.iter().map(|part| part * part).sum();
+        (before - seen.dot(&self.sum.solve(&seen))).max(0.0)
+    }
+
+    /// Variance of every quantity after the measurement.
+    pub fn variances(&self) -> Vec<f64> {
+        let solved = self.sum.solve(&self.design);
+        let of = |column: usize| (1.0 - self.design.column(column).dot(&solved.column(column))).max(0.0);
+        (0..self.design.ncols()).map(of).collect()
+    }
+
+    /// Readings of drawn quantities, with noise from standard normal numbers, one for each reading.
+    pub fn read(&self, z: &[f64], normal: &[f64]) -> Vec<f64> {
+        let read = &self.design * DVector::from_column_slice(z) + &self.noise * DVector::from_column_slice(normal);
+        read.as_slice().to_vec()
+    }
+
+    /// The estimate of all quantities from readings.
+    pub fn estimate(&self, readings: &[f64]) -> Vec<f64> {
+        let solved = self.sum.solve(&DVector::from_column_slice(readings));
+        (self.design.transpose() * solved).as_slice().to_vec()
+    }
+}
+
+/// Singular value of a whitened design below which a combination of readings says nothing: it would leave 99.9 % of a variance.
+const NOTHING: f64 = 0.03;
+
+/// As few independent readings of unit variance as say the same about quantities of unit variance: the rows of their design.
+/// `None` as in [`Update::new`].
+pub fn condensed(design: &[Vec<f64>], noise: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+    let (rows, count) = (design.len(), design.first()?.len());
+    if noise.len() != rows || design.iter().any(|row| row.len() != count) || noise.iter().any(|r| r.len() != rows) {
+        return None;
+    }
+    let factor = Cholesky::new(DMatrix::from_fn(rows, rows, |row, column| noise[row][column]))?.l();
+    let white = factor.solve_lower_triangular(&DMatrix::from_fn(rows, count, |row, column| design[row][column]))?;
+    // Of the smaller of the two Gram matrices: rows are fewer than quantities.
+    let own = (&white * white.transpose()).symmetric_eigen();
+    let shows = (0..rows).filter(|k| own.eigenvalues[*k] > NOTHING * NOTHING);
+    Some(shows.map(|k| (own.eigenvectors.column(k).transpose() * &white).as_slice().to_vec()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One reading a z₁ + b z₂ with noise r: P is the inverse of [[1 + a²/r², ab/r²], [ab/r², 1 + b²/r²]], by Cramer's rule.
+    #[test]
+    fn two_quantities_and_one_reading_in_closed_form() {
+        let (a, b, r) = (3.0, -2.0, 0.5_f64);
+        let update = Update::new(&[Vec::from([a, b])], &[Vec::from([r * r])]).unwrap();
+        let [p11, p12, p22] = [1.0 + a * a / (r * r), a * b / (r * r), 1.0 + b * b / (r * r)];
+        let determinant = p11 * p22 - p12 * p12;
+        for d in [[1.0, 0.0], [0.0, 1.0], [0.7, 1.9]] {
+            let wanted = (p22 * d[0] * d[0] - 2.0 * p12 * d[0] * d[1] + p11 * d[1] * d[1]) / determinant;
+            assert!((update.variance(&d) - wanted).abs() < 1e-12, "{} for {wanted}", update.variance(&d));
+        }
+        let [first, second] = [p22 / determinant, p11 / determinant];
+        assert!((update.variances()[0] - first).abs() < 1e-12 && (update.variances()[1] - second).abs() < 1e-12);
+        // d · ẑ by the weights of the readings and by the estimate.
+        let (reading, d) = (Vec::from([1.7]), [0.7, 1.9]);
+        let estimate = update.estimate(&reading);
+        let by_weights = update.weights(&d)[0] * reading[0];
+        assert!((estimate[0] * d[0] + estimate[1] * d[1] - by_weights).abs() < 1e-12);
+    }
+
+    /// Readings that share a noise, and one of them twice.
+    #[test]
+    fn condensed_readings_say_the_same() {
+        let design = [Vec::from([2.0, 1.0, 0.0]), Vec::from([0.5, -1.0, 0.0]), Vec::from([2.0, 1.0, 0.0])];
+        let noise = [Vec::from([2.0, 1.0, 1.0]), Vec::from([1.0, 2.0, 1.0]), Vec::from([1.0, 1.0, 2.0])];
+        let all = Update::new(&design, &noise).unwrap();
+        let few = condensed(&design, &noise).unwrap();
+        assert_eq!(few.len(), 2);
+        let unit = [Vec::from([1.0, 0.0]), Vec::from([0.0, 1.0])];
+        let few = Update::new(&few, &unit).unwrap();
+        for d in [[1.0, 0.0, 0.0], [0.3, -2.0, 0.0], [0.0, 0.0, 1.0]] {
+            assert!((all.variance(&d) - few.variance(&d)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn what_is_no_measurement_is_none() {
+        assert!(Update::new(&[], &[]).is_none());
+        assert!(Update::new(&[Vec::from([1.0])], &[Vec::from([-2.0])]).is_none());
+        assert!(Update::new(&[Vec::from([1.0])], &[Vec::from([1.0, 0.0])]).is_none());
+    }
+}
