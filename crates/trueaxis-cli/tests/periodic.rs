@@ -165,7 +165,7 @@ fn records_that_determine_nothing_are_refused_with_what_is_needed() {
     assert!(refused("fine.csv", &["--period-mm", "-5"]).contains("--period-mm: found -5, needed 0.001 to 100000 mm"));
     assert!(refused("fine.csv", &["--period-deg", "5"]).contains("--period-deg: found axis X, needed --period-mm"));
     assert!(
-        refused("fine.csv", &["--period-mm", "5", "--harmonics", "9"]).contains("found 9 harmonics, needed 1 to 8")
+        refused("fine.csv", &["--period-mm", "5", "--harmonics", "9"]).contains("found 9 harmonics, needed 1 to 6")
     );
     let circle = ["--period-mm", "5", "--radius-mm", "100", "--centre-mm", "0,0,0"];
     assert!(refused("fine.csv", &circle).contains("needed the columns angle_deg, deviation_um, direction"));

@@ -241,16 +241,20 @@ pub(crate) fn write(
     Ok(Some(format!("axis {}: period of {} {unit} {how}", axis.letter(), short(period.period))))
 }
 
-/// Refuses a table that contains a part of the period: both would be added.
-fn refuse_fine(period: &FoundPeriod, axis: Axis, machine: &Machine, origin: &Origin) -> Result<(), FileError> {
-    let rows = machine.rows(axis).unwrap_or_default();
+/// Distance of the closest two points of an axis' own table, mm (deg), if it is so short that the table contains a part of an
+/// error of this period.
+pub(crate) fn contained_in(machine: &Machine, axis: Axis, period: f64) -> Option<f64> {
+    let rows = machine.rows(axis)?;
     let own =
         |k: usize| rows.get(k).and_then(|row| Some((row.forward.get(axis.index())?, row.reverse.get(axis.index())?)));
     let is_flat = (1..rows.len()).all(|k| own(k) == own(0));
     let step = rows.windows(2).map(|pair| pair[1].position - pair[0].position).fold(f64::INFINITY, f64::min);
-    if period.on_top || is_flat || step >= 0.5 * period.period {
-        return Ok(());
-    }
+    (!is_flat && step < 0.5 * period).then_some(step)
+}
+
+/// Refuses a table that contains a part of the period: both would be added.
+fn refuse_fine(period: &FoundPeriod, axis: Axis, machine: &Machine, origin: &Origin) -> Result<(), FileError> {
+    let Some(step) = contained_in(machine, axis, period.period).filter(|_| !period.on_top) else { return Ok(()) };
     let unit = period.units()[0];
     let found = format!("a table of axis {} with points {} {unit} apart", axis.letter(), short(step));
     let needed = format!(

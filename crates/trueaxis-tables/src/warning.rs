@@ -1,6 +1,7 @@
 //! Warnings about settings that work, but not as well as they should.
 
 use crate::lost_motion::{LostMotion, SWIFT_S, lost_motion};
+use crate::periods::contained_in;
 use crate::rates::{DriveRate, drive_rate};
 use crate::{Grid, Machine};
 use std::fmt;
@@ -98,6 +99,26 @@ pub enum Warning {
         /// Magnitude that lag needs at the declared feed, mm.
         needed: f64,
         /// Feed at which it meets the limit, mm/s.
+        feed: f64,
+    },
+    /// The axis' own table has points so close that it may contain a part of an error which a period states too.
+    PeriodInTable {
+        /// The axis.
+        axis: Axis,
+        /// Distance of the closest two points, mm.
+        step: f64,
+        /// The period, mm.
+        period: f64,
+    },
+    /// At top feed the correction of an axis' periods accelerates more than its limit allows.
+    PeriodAboveLimit {
+        /// The axis.
+        axis: Axis,
+        /// Largest acceleration, mm/s².
+        acceleration: f64,
+        /// Acceleration limit, mm/s².
+        limit: f64,
+        /// Feed up to which the limit suffices, mm/s.
         feed: f64,
     },
     /// The limits ramp the correction of lost motion in slowly.
@@ -203,6 +224,23 @@ impl fmt::Display for Warning {
                     moving.letter()
                 )
             }
+            Warning::PeriodInTable { axis, step, period } => {
+                let (letter, unit) = (axis.letter(), unit(axis));
+                write!(
+                    f,
+                    "axis {letter}: its table has points {step} {unit} apart, closer than half of its period of {period} \
+                     {unit}: what the table contains of that error is corrected twice"
+                )
+            }
+            Warning::PeriodAboveLimit { axis, acceleration, limit, feed } => {
+                let (letter, unit) = (axis.letter(), unit(axis));
+                write!(
+                    f,
+                    "axis {letter}: at top feed the correction of its periods accelerates by up to {acceleration:.0} \
+                     {unit}/s², above its limit of {limit} {unit}/s²: it will lag from {:.0} {unit}/min on",
+                    feed * 60.0
+                )
+            }
             Warning::AccelerationBelowResolution { axis, per_cycle, resolution } => {
                 let (letter, unit) = (axis.letter(), unit(axis));
                 write!(
@@ -290,6 +328,11 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
     }
     warnings.extend(lost_motion(machine).into_iter().filter(|lost| lost.ramp_in_s > SWIFT_S).map(Warning::SlowRampIn));
     warnings.extend(machine.settings.axes.iter().filter_map(lag_above_limit));
+    warnings.extend(machine.settings.axes.iter().filter_map(|own| period_above_limit(machine, own)));
+    warnings.extend(machine.settings.periodic.iter().filter_map(|period| {
+        let (axis, period) = (period.axis, period.period);
+        contained_in(machine, axis, period).map(|step| Warning::PeriodInTable { axis, step, period })
+    }));
     for (settings, table) in machine.axes() {
         let axis = settings.axis;
         let open = AxisSettings::with_defaults(axis, false).travel;
@@ -325,6 +368,15 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
         of_grid(machine, number, grid, &mut warnings);
     }
     warnings
+}
+
+/// A warning if the periods of an axis need more acceleration than its limit at the declared feed.
+fn period_above_limit(machine: &Machine, own: &AxisSettings) -> Option<Warning> {
+    let (axis, limit) = (own.axis, own.limits.acceleration_per_s2);
+    let curvature = machine.settings.repeats(axis, 2);
+    let acceleration = curvature * own.max_feed_per_s * own.max_feed_per_s;
+    let feed = (limit / curvature).sqrt();
+    (acceleration > limit * (1.0 + 1e-9)).then_some(Warning::PeriodAboveLimit { axis, acceleration, limit, feed })
 }
 
 /// A warning if the lag that an axis compensates exceeds the magnitude limit at the declared feed.

@@ -75,7 +75,7 @@ pub(crate) struct PeriodicArgs {
     /// A period of a rotary axis (may be given several times).
     #[arg(long, value_name = "P", value_parser = number, allow_negative_numbers = true)]
     period_deg: Vec<f64>,
-    /// Harmonics of each period, 1 to 8 [default: up to 6, as many as the points permit].
+    /// Harmonics of each period, 1 to 6 [default: as many as the points permit].
     #[arg(long, value_name = "N")]
     harmonics: Option<usize>,
     /// Nominal radius of a ballbar's circle.

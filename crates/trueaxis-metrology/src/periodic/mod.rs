@@ -38,10 +38,8 @@ pub use spectrum::{Spectrum, spectrum};
 
 use std::vec::Vec;
 
-/// Most harmonics of a period.
-pub const MOST_HARMONICS: usize = 8;
-/// Most harmonics of a period that are tried where none are stated: as many as a machine has.
-const MOST_TRIED: usize = trueaxis::machine::PERIODIC_HARMONICS;
+/// Most harmonics of a period: as many as a machine has.
+pub const MOST_HARMONICS: usize = trueaxis::machine::PERIODIC_HARMONICS;
 /// Fewest periods in a scan.
 pub const LEAST_PERIODS: f64 = 3.0;
 /// Fewest points in a period of the highest harmonic.

@@ -1,7 +1,7 @@
 //! What the positions of a record determine: length, spacing, and the harmonics that they separate.
 
 use super::refused::AliasOf;
-use super::{LEAST_PERIODS, LEAST_POINTS, MOST_HARMONICS, MOST_TRIED, PeriodicRefusal, Reading};
+use super::{LEAST_PERIODS, LEAST_POINTS, MOST_HARMONICS, PeriodicRefusal, Reading};
 use std::vec::Vec;
 
 /// Positions closer together than this share of the shortest period count as one.
@@ -62,7 +62,7 @@ pub(super) fn sampling(
     let mut lines = Vec::new();
     for (of, period) in periods.iter().copied().enumerate() {
         let most = (period / (LEAST_POINTS * spacing) * (1.0 + ROUNDED)).floor() as usize;
-        let asked = harmonics.unwrap_or(most.clamp(1, MOST_TRIED));
+        let asked = harmonics.unwrap_or(most.clamp(1, MOST_HARMONICS));
         if asked > most {
             return Err(found.refused(periods, of, asked));
         }

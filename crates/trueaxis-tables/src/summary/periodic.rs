@@ -10,32 +10,29 @@ use trueaxis::machine::PeriodicSettings;
 pub struct PeriodSummary {
     /// Length of the period.
     pub period: f64,
-    /// Amplitudes of the harmonics 1, 2, … in positive travel.
-    pub amplitudes_micro: Vec<f64>,
+    /// Cosine and sine of the harmonics 1, 2, … in positive travel.
+    pub harmonics_micro: Vec<[f64; 2]>,
     /// The same in negative travel, if it differs.
-    pub reverse_amplitudes_micro: Option<Vec<f64>>,
+    pub reverse_micro: Option<Vec<[f64; 2]>>,
 }
 
 pub(super) fn period(settings: &PeriodicSettings) -> PeriodSummary {
-    let amplitudes = |pairs: &[[f64; 2]]| pairs.iter().map(|[a, b]| micro(settings.axis, a.hypot(*b))).collect();
+    let in_micro = |pairs: &[[f64; 2]]| pairs.iter().map(|pair| pair.map(|part| micro(settings.axis, part))).collect();
     PeriodSummary {
         period: settings.period,
-        amplitudes_micro: amplitudes(&settings.harmonics),
-        reverse_amplitudes_micro: settings.is_two_sided().then(|| amplitudes(&settings.reverse)),
+        harmonics_micro: in_micro(&settings.harmonics),
+        reverse_micro: settings.is_two_sided().then(|| in_micro(&settings.reverse)),
     }
 }
 
 impl PeriodSummary {
     /// Writes the line of an axis' section; `unit` is mm or deg, `micro` µm or µrad.
     pub(super) fn line(&self, f: &mut fmt::Formatter<'_>, unit: &str, micro: &str) -> fmt::Result {
-        let list = |all: &[f64]| all.iter().map(|amplitude| format!("{amplitude:.2}")).collect::<Vec<_>>().join(", ");
-        write!(
-            f,
-            "\n  periodic   {} {unit}: harmonics of {} {micro}",
-            short(self.period),
-            list(&self.amplitudes_micro)
-        )?;
-        match &self.reverse_amplitudes_micro {
+        let list =
+            |all: &[[f64; 2]]| all.iter().map(|[a, b]| format!("{:.2}", a.hypot(*b))).collect::<Vec<_>>().join(", ");
+        let amplitudes = list(&self.harmonics_micro);
+        write!(f, "\n  periodic   {} {unit}: harmonics of {amplitudes} {micro}", short(self.period))?;
+        match &self.reverse_micro {
             Some(reverse) => write!(f, ", in negative travel {} {micro}", list(reverse)),
             None => Ok(()),
         }
