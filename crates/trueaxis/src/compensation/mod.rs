@@ -123,7 +123,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
             return Err(ConfigError::left_out(Part::Grids, Field::GridTable));
         }
         table::enough(memory.len(), requirement(machine, &rows))?;
-        let (periods, memory) = Periods::build(order, machine, memory)?;
+        let (periods, memory) = Periods::build::<P, N>(order, machine, memory)?;
         let model = match machine.compensation.model {
             ErrorModel::Nine => Model::Nine(NineTerms::build(order, machine, rows, memory)?),
             ErrorModel::Volumetric => Model::Volumetric(Volumetric::build(order, machine, rows, memory)?),

@@ -38,16 +38,17 @@ struct Wave<'a, R> {
     /// Number of cells of a period, a power of two, less 1.
     mask: u16,
     reverse_offset: u16,
-    /// Cells per mm (deg).
+    /// Cells per mm (deg), and per step of the position.
     scale: R,
+    per_step: R,
 }
 
 impl<'a, R: Real> Wave<'a, R> {
-    /// Builds a period in borrowed memory; `sense` of the table's angles to the reading.
+    /// Builds a period in borrowed memory; `sense` of the table's angles to the reading, `step` of the position.
     fn build<'m>(
         settings: &PeriodicSettings,
         slot: usize,
-        sense: f64,
+        [sense, step]: [f64; 2],
         memory: &'m mut [R],
     ) -> Result<(Self, &'m mut [R]), ConfigError>
     where
@@ -68,15 +69,14 @@ impl<'a, R: Real> Wave<'a, R> {
             }
         }
         let reverse_offset = if settings.is_two_sided() { count as u16 } else { 0 };
-        let scale = R::of(1.0 / width);
+        let [scale, per_step] = [1.0, step].map(|unit| R::of(unit / width));
         // Six axes, and at most 128 cells.
-        Ok((Wave { slot: slot as u8, cells: lines, mask: count as u16 - 1, reverse_offset, scale }, rest))
+        Ok((Wave { slot: slot as u8, cells: lines, mask: count as u16 - 1, reverse_offset, scale, per_step }, rest))
     }
 
-    /// Error at a position from machine zero, mm (deg).
+    /// Error at a place from machine zero, in cells; mm (deg).
     #[inline(always)]
-    fn at(&self, position: R, reverse: Direction) -> R {
-        let place = position * self.scale;
+    fn at(&self, place: R, reverse: Direction) -> R {
         let whole = place.to_i32();
         let rest = place - R::of_i32(whole);
         let (whole, t) = if rest < R::ZERO { (whole.wrapping_sub(1), rest + R::ONE) } else { (whole, rest) };
@@ -109,7 +109,7 @@ pub(super) fn requirement(machine: &MachineSettings) -> usize {
 
 impl<'a, R: Real> Periods<'a, R> {
     /// Builds the periods of a machine in borrowed memory; `None` if it has none. Returns the rest of the memory.
-    pub(super) fn build<const N: usize>(
+    pub(super) fn build<P: Position, const N: usize>(
         order: &AxisOrder<N>,
         machine: &MachineSettings,
         mut memory: &'a mut [R],
@@ -123,7 +123,7 @@ impl<'a, R: Real> Periods<'a, R> {
             } else {
                 1.0
             };
-            let (wave, rest) = Wave::build(settings, slot, sense, memory)?;
+            let (wave, rest) = Wave::build(settings, slot, [sense, P::STEP], memory)?;
             memory = rest;
             // As many as the settings hold.
             if let Some(place) = free.next() {
@@ -132,6 +132,32 @@ impl<'a, R: Real> Periods<'a, R> {
         }
         let is_any = waves.iter().any(Option::is_some);
         Ok((is_any.then_some(Periods(waves)), memory))
+    }
+
+    /// Adds the errors at two positions of X, Y, Z.
+    // Only with periods.
+    #[inline(always)]
+    pub(crate) fn add_to_both<P: Position>(
+        &self,
+        positions: [&[P; 3]; 2],
+        directions: &[Direction; 3],
+        errors: &mut [[R; 3]; 2],
+    ) {
+        let ([there, back], [of_command, of_feedback]) = (positions, errors);
+        let zero = P::of(0.0);
+        // At most 6 rounds: the settings hold no more periods.
+        for wave in self.0.iter().map_while(Option::as_ref) {
+            let slot = usize::from(wave.slot);
+            let (Some(there), Some(back), Some(direction)) = (there.get(slot), back.get(slot), directions.get(slot))
+            else {
+                continue;
+            };
+            let place = |position: &P| position.steps_above::<R>(zero, P::Reach::default()).0 * wave.per_step;
+            if let (Some(command), Some(feedback)) = (of_command.get_mut(slot), of_feedback.get_mut(slot)) {
+                *command += wave.at(place(there), *direction);
+                *feedback += wave.at(place(back), *direction);
+            }
+        }
     }
 
     /// Adds the errors at positions from machine zero, mm (deg).
@@ -151,7 +177,7 @@ impl<'a, R: Real> Periods<'a, R> {
             else {
                 continue;
             };
-            *error += wave.at(*position, *direction);
+            *error += wave.at(*position * wave.scale, *direction);
         }
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! | cycle | modelled by |
 //! |---|---|
-//! | active, nine terms in one pass, no axis has reversed or left its cell | `model` itself, in the cached cells |
-//! | any other with nine terms that have cells: cells left, a reversal, new tables or growth, several passes, periods | `model_in_some_cells` |
+//! | active, nine terms in one pass, no axis has reversed or left its cell | `model` itself, in the cached cells; with periods `model_with_periods` |
+//! | any other with nine terms that have cells: cells left, a reversal, new tables or growth, several passes | `model_in_some_cells` |
 //! | volumetric tables looked up at the command | `model_in_tangents` |
 //! | tables without cells | `model_by_lookup` |
 //! | not homed, frozen or stopped | nothing |
@@ -65,9 +65,25 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             {
                 return Modelled::of_errors(errors, at_edge);
             }
+            if let Some(modelled) = self.model_with_periods(state, sample) {
+                return modelled;
+            }
             return self.model_outside_left_cells(state, sample);
         }
         self.model_outside_cells(state, sample, needs_tilt)
+    }
+
+    /// Models a cycle that stays within its cells on a machine with periods.
+    // Only with periods.
+    #[inline(always)]
+    fn model_with_periods(&self, state: &State<R, P, N>, sample: &Sample<P, N>) -> Option<Modelled<R, N>> {
+        let periods = self.compensation.periods()?;
+        let (command, feedback) = (first(&self.place(state, sample.command))?, first(sample.feedback)?);
+        let directions = state.reversal.first_chunk()?.map(|reversal| reversal.direction());
+        let places = [&command, &feedback];
+        let (errors, at_edge) =
+            state.cells.errors_with_periods(&self.tables, &state.grids, periods, places, &directions)?;
+        Some(Modelled::of_errors(errors, at_edge))
     }
 
     /// Whether no drive has reversed.

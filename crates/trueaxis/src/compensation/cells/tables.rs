@@ -78,7 +78,7 @@ pub(crate) enum Form {
     Cubic,
     /// Either, with grids beside them.
     WithGrids,
-    /// Either, with periods beside them, which have no cells: every cycle looks them up.
+    /// Either, with periods and perhaps grids beside them; periods have no cells.
     WithPeriods,
 }
 
@@ -89,6 +89,7 @@ pub(crate) struct Tables<R, P: Position> {
     pub(super) direct: Binding,
     form: Form,
     cubic: bool,
+    has_grids: bool,
     pub(super) borders: [Borders<R, P>; LINEAR],
     /// Norm of the Jacobian of the errors, without thermal growth.
     norm: R,
@@ -114,6 +115,7 @@ impl<R: Real, P: Position> Tables<R, P> {
             direct: Binding::WITHOUT_CELLS,
             form: Form::Linear,
             cubic: false,
+            has_grids: grids.is_some(),
             borders: [Borders::of(&AxisTable::zero()); LINEAR],
             norm: R::of(norm),
             motion: R::of(motion),
@@ -149,6 +151,12 @@ impl<R: Real, P: Position> Tables<R, P> {
     #[inline(always)]
     pub(super) fn is_cubic(&self) -> bool {
         self.cubic
+    }
+
+    /// Whether there are grids beside the tables.
+    #[inline(always)]
+    pub(super) fn has_grids(&self) -> bool {
+        self.has_grids
     }
 
     /// Whether the tables have cells to cache.

@@ -2,7 +2,7 @@
 
 use core::mem::MaybeUninit;
 
-const BYTES: usize = 7 << 19;
+const BYTES: usize = 9 << 19;
 
 #[repr(align(16))]
 struct Memory {
