@@ -2,7 +2,7 @@
 
 use core::mem::MaybeUninit;
 
-const BYTES: usize = 9 << 19;
+const BYTES: usize = 31 << 17;
 
 #[repr(align(16))]
 struct Memory {
