@@ -124,6 +124,23 @@ fn a_direction_that_was_not_travelled_keeps_its_harmonics() {
     assert!(text.contains("reverse_um = [[1.4, -0.6], [0.3, 0.2]]") && !text.contains("0.5, 0.0"), "{text}");
 }
 
+/// `--harmonics 1` says nothing of the second, which stays in both directions.
+#[test]
+fn a_harmonic_that_was_not_tried_keeps_its_value() {
+    let folder = Folder::new(TRUEAXIS);
+    machine(&folder, "true", "w Y' b X Z t", "\n[[axis.X.periodic]]\nperiod_mm = 5.0\nharmonics_um = [[1.9, -0.4]]\n");
+    for (reverse, kept) in [("", ""), ("reverse_um = [[0.5, 0.0], [0.0, 0.75]]\n", "[0.0, 0.75]]")] {
+        let stated = "\n[[axis.X.periodic]]\nperiod_mm = 5.0\nharmonics_um = [[0.5, 0.0], [0.25, 0.375]]\n";
+        machine(&folder, "mill", "w Y' b X Z t", &format!("{stated}{reverse}"));
+        folder.good(&["periodic", "simulate", "--machine", "true", "--axis", "X", "-o", "scan.csv"]);
+        let scan = ["periodic", "scan.csv", "--axis", "X", "--period-mm", "5", "--harmonics", "1"];
+        folder.good(&[&scan[..], &["-o", "mill"]].concat());
+        let text = folder.read("mill/machine.toml");
+        assert!(text.contains("[0.25, 0.375]]") && text.contains(kept) && !text.contains("[0.5, 0.0]"), "{text}");
+        assert_eq!(text.contains("reverse_um"), !reverse.is_empty(), "{text}");
+    }
+}
+
 #[test]
 fn what_is_written_needs_a_machine_and_a_coarse_table() {
     let folder = Folder::new(TRUEAXIS);

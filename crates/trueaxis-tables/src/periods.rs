@@ -32,6 +32,8 @@ pub struct FoundPeriod {
     pub reverse: Harmonics,
     /// Whether the record travels in negative direction only, or in positive only; `None`: in both.
     pub one_way: Option<bool>,
+    /// Numbers of the harmonics that were tried; any other stated one stays.
+    pub tried: Vec<usize>,
     /// Standard uncertainty of a coefficient.
     pub uncertainty: f64,
     /// Degrees of freedom of the uncertainty.
@@ -88,24 +90,34 @@ impl FoundPeriod {
         Some(Stated { harmonics: list("harmonics"), reverse: list("reverse"), uncertainty })
     }
 
-    /// Found harmonics in total: a residual is added to the stated ones, and a direction that was not travelled keeps its own.
+    /// Stated harmonics to which the found ones are added: all if these are a residual, otherwise those that were not tried.
+    fn staying(&self, stated: &[[f64; 2]]) -> Harmonics {
+        let stays = |number: usize| self.on_top || !self.tried.contains(&number);
+        let count = (1..=stated.len()).rev().find(|number| stays(*number)).unwrap_or(0);
+        (1..=count).map(|number| if stays(number) { stated[number - 1] } else { [0.0; 2] }).collect()
+    }
+
+    /// Found harmonics in total: a residual is added to the stated ones, a harmonic that was not tried and a direction that was
+    /// not travelled keep their own.
     fn total(&self, stated: Option<&Stated>) -> [Harmonics; 2] {
         let found = [self.harmonics.clone(), self.reverse.clone()];
         let Some(stated) = stated else { return found };
         let either = |forward: &Harmonics, reverse: &Harmonics| {
             if reverse.is_empty() { forward.clone() } else { reverse.clone() }
         };
-        let on_top = |own: Harmonics, stated: &Harmonics| {
-            if self.on_top { joined(&own, stated, |own, stated| own + stated) } else { own }
-        };
+        let sum = |own: &Harmonics, stated: &Harmonics| joined(own, stated, |own, stated| own + stated);
         let [forward, reverse] = [&stated.harmonics, &either(&stated.harmonics, &stated.reverse)];
+        let staying = [forward, reverse].map(|own| self.staying(own));
+        let same = stated.reverse.is_empty() || !self.on_top && staying[0] == staying[1];
         match self.one_way {
-            Some(true) if !stated.reverse.is_empty() => [forward.clone(), on_top(found[0].clone(), reverse)],
-            Some(false) if !stated.reverse.is_empty() => [on_top(found[0].clone(), forward), reverse.clone()],
-            _ if self.reverse.is_empty() && (!self.on_top || stated.reverse.is_empty()) => {
-                [on_top(found[0].clone(), forward), Vec::new()]
+            Some(true) if !stated.reverse.is_empty() => {
+                let own = sum(&found[0], &staying[1]);
+                // An empty list would be that of positive travel.
+                [forward.clone(), if own.is_empty() { vec![[0.0; 2]] } else { own }]
             }
-            _ => [on_top(found[0].clone(), forward), on_top(either(&found[0], &found[1]), reverse)],
+            Some(false) if !stated.reverse.is_empty() => [sum(&found[0], &staying[0]), reverse.clone()],
+            _ if self.reverse.is_empty() && same => [sum(&found[0], &staying[0]), Vec::new()],
+            _ => [sum(&found[0], &staying[0]), sum(&either(&found[0], &found[1]), &staying[1])],
         }
     }
 

@@ -13,6 +13,7 @@ impl Test {
         let travelled = [false, true].map(|side| self.readings.iter().any(|own| own.own.is_negative == side));
         let one_way = (travelled != [true; 2]).then_some(travelled[1]);
         let of_period = |own: &trueaxis_metrology::periodic::Period| {
+            let tried = own.forward.iter().map(|own| own.number).collect();
             let own = PeriodFound::new(own, found.degrees_of_freedom as f64);
             FoundPeriod {
                 axis: self.options.axis,
@@ -20,6 +21,7 @@ impl Test {
                 harmonics: own.harmonics,
                 reverse: own.reverse.unwrap_or_default(),
                 one_way,
+                tried,
                 uncertainty: own.standard_uncertainty,
                 degrees_of_freedom: found.degrees_of_freedom,
                 on_top: compensated,
