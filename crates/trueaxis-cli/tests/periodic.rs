@@ -141,6 +141,26 @@ fn a_harmonic_that_was_not_tried_keeps_its_value() {
     }
 }
 
+/// A stated error of 3 µm that a scan does not find becomes zero, with its uncertainty; without a stated one nothing is added.
+#[test]
+fn a_stated_period_that_is_not_found_becomes_zero() {
+    let folder = Folder::new(TRUEAXIS);
+    machine(&folder, "true", "w Y' b X Z t", "");
+    machine(&folder, "mill", "w Y' b X Z t", "\n[[axis.X.periodic]]\nperiod_mm = 5.0\nharmonics_um = [[3.0, 0.0]]\n");
+    folder.good(&["periodic", "simulate", "--machine", "true", "--axis", "X", "-o", "scan.csv"]);
+    let scan = ["periodic", "scan.csv", "--axis", "X", "--period-mm", "5", "--json", "-o"];
+    let done = folder.json(&[&scan[..], &["mill"]].concat());
+    assert_eq!((&done["written"][0]["old"]["value"], &done["written"][0]["written"]["value"]), (&3.0.into(), &0.0.into()));
+    let text = folder.read("mill/machine.toml");
+    assert!(text.contains("harmonics_um = [[0.0, 0.0]]") && text.contains("standard_uncertainty_um"), "{text}");
+    machine(&folder, "bare", "w Y' b X Z t", "");
+    for force in [&[][..], &["--force"]] {
+        let done = folder.json(&[&scan[..], &["bare"], force].concat());
+        assert!(done["written"][0]["written"].is_null(), "{done}");
+        assert!(!folder.read("bare/machine.toml").contains("periodic"));
+    }
+}
+
 #[test]
 fn what_is_written_needs_a_machine_and_a_coarse_table() {
     let folder = Folder::new(TRUEAXIS);

@@ -102,7 +102,9 @@ impl Additions {
             None => (again && (self.compensated || on_top)).then_some(Why::SameRecord),
         };
         decisions.extend(self.periods.iter().map(|own| own.decided(document, !again, why(own.on_top))));
-        for own in decisions.iter_mut().filter(|_| self.force && !(again && self.compensated)) {
+        // A period that neither the record nor the machine has is no value.
+        let is_value = |own: &&mut Decision| own.why != Why::Nothing || own.found.value != 0.0;
+        for own in decisions.iter_mut().filter(|_| self.force && !(again && self.compensated)).filter(is_value) {
             if below(&own.key, &own.found) {
                 (own.written, own.why) = (None, Why::OverCompensated);
             } else {

@@ -6,7 +6,7 @@ use trueaxis_tables::finding::Fit;
 use trueaxis_tables::{Additions, FoundPeriod};
 
 impl Test {
-    /// Every period that has a harmonic. `compensated`: the machine's figures corrected it during the scan, so the record shows
+    /// Every period, also one without a harmonic: the machine may state one. `compensated`: the machine's figures corrected it during the scan, so the record shows
     /// what they leave.
     pub fn additions(&self, compensated: bool) -> Additions {
         let found = &self.found;
@@ -30,7 +30,6 @@ impl Test {
         // Noise is no misfit, however large: each harmonic exceeds it. Another wave in the record is one.
         let fit =
             found.remains.map(|_| Fit { before_mm: 1e-3 * found.before, left_mm: 1e-3 * found.left, noise_mm: None });
-        let periods = found.periods.iter().map(of_period).filter(|own| !own.harmonics.is_empty());
-        Additions { periods: periods.collect(), fit, compensated, ..Additions::default() }
+        Additions { periods: found.periods.iter().map(of_period).collect(), fit, compensated, ..Additions::default() }
     }
 }
