@@ -214,6 +214,23 @@ fn records_that_determine_nothing_are_refused_with_what_is_needed() {
     assert!(other.contains("needed the columns position_mm, error_um, or position_mm, fwd_um, rev_um; for"), "{other}");
 }
 
+/// The order of the rows is the direction of travel where no column states it.
+#[test]
+fn a_falling_scan_is_negative_travel() {
+    let folder = Folder::new(TRUEAXIS);
+    let wave = |q: f64| (TAU * q / 5.0).cos() + 0.05 * (9.0 * q).sin();
+    let falling = scan(0.2, 300, "position_mm,error_um", |q| format!("{:.1},{:.4}", 60.0 - q, wave(60.0 - q)));
+    folder.write("falling.csv", &falling);
+    folder.write("both.csv", scan(0.2, 300, falling.trim_end(), |q| format!("{q:.1},{:.4}", wave(q))));
+    machine(&folder, "mill", "w Y' b X Z t", PERIODS.split("\n[[axis.X.periodic]]\nperiod_mm = 1.25").next().unwrap());
+    let all = ["--axis", "X", "--period-mm", "5", "--force", "-o", "mill"];
+    folder.good(&[&["periodic", "falling.csv"], &all[..]].concat());
+    let text = folder.read("mill/machine.toml");
+    assert!(text.contains("\nharmonics_um = [[1.9, -0.4], [0.3, 0.2]]") && !text.contains("1.4, -0.6"), "{text}");
+    let both = folder.bad(&[&["periodic", "both.csv"], &all[..]].concat(), &[]);
+    assert!(both.contains("both.csv:303: column position_mm: found 0.2") && both.contains("needed a column direction"), "{both}");
+}
+
 /// A rotary axis, both directions in columns.
 #[test]
 fn a_worm_is_found_in_two_columns() {
