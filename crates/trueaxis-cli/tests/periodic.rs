@@ -161,6 +161,38 @@ fn a_stated_period_that_is_not_found_becomes_zero() {
     }
 }
 
+/// What another section of the axis states would be corrected twice.
+#[test]
+fn a_stated_period_that_the_record_does_not_tell_from_a_found_one_is_refused() {
+    let folder = Folder::new(TRUEAXIS);
+    let stated = |period: &str, harmonics: &str| {
+        format!("\n[[axis.X.periodic]]\nperiod_mm = {period}\nharmonics_um = {harmonics}\n")
+    };
+    let fourth = stated("5.0", "[[1.9, 0.0], [0.0, 0.0], [0.0, 0.0], [0.5, 0.0]]");
+    machine(&folder, "true", "w Y' b X Z t", &fourth);
+    folder.good(&["periodic", "simulate", "--machine", "true", "--axis", "X", "-o", "scan.csv"]);
+    let scan = |more: &[&'static str]| [&["periodic", "scan.csv", "--axis", "X", "-o", "mill", "--period-mm"], more].concat();
+    for (periods, with, refused) in [
+        (stated("1.25", "[[0.25, 0.0]]"), &["5"][..], "needed both evaluated together: give --period-mm 1.25 too"),
+        (stated("1.25", "[[0.25, 0.0]]"), &["5", "--period-mm", "1.25"], ""),
+        (stated("1.25", "[[0.25, 0.0]]"), &["5", "--compensated"], ""),
+        (stated("1.3", "[[0.25, 0.0]]"), &["5"], ""),
+        (fourth, &["5", "--period-mm", "1.25"], "needed zero for it"),
+        (stated("5.004", "[[0.25, 0.0]]"), &["5"], "found a period of 5 mm, needed 5.004 mm, which [[axis.X.periodic]]"),
+        (stated("5.0001", "[[0.25, 0.0]]"), &["5"], ""),
+    ] {
+        machine(&folder, "mill", "w Y' b X Z t", &periods);
+        if refused.is_empty() {
+            folder.good(&scan(with));
+        } else {
+            let error = folder.bad(&scan(with), &[]);
+            assert!(error.contains(refused), "{error}");
+        }
+    }
+    let text = folder.read("mill/machine.toml");
+    assert_eq!(text.matches("period_mm").count(), 1, "{text}");
+}
+
 #[test]
 fn what_is_written_needs_a_machine_and_a_coarse_table() {
     let folder = Folder::new(TRUEAXIS);

@@ -133,7 +133,10 @@ impl Additions {
         let mut document = editable(&current.text, &origin)?;
         let mut edited = Edited { files: Vec::new(), notes: Vec::new() };
         let decisions = self.decided(&before, &known, &document);
-        for (period, decision) in self.periods.iter().zip(&decisions[self.findings.len()..]) {
+        let of_periods = self.periods.iter().zip(&decisions[self.findings.len()..]);
+        let with: Vec<_> = of_periods.clone().map(|(own, decision)| (own, decision.written.is_some())).collect();
+        periods::refuse_double(&with, &before, (&document, &origin))?;
+        for (period, decision) in of_periods {
             edited.notes.extend(periods::write(
                 period,
                 decision,

@@ -18,6 +18,7 @@ impl Test {
             FoundPeriod {
                 axis: self.options.axis,
                 period: own.period,
+                length: found.length,
                 harmonics: own.harmonics,
                 reverse: own.reverse.unwrap_or_default(),
                 one_way,
