@@ -193,6 +193,31 @@ fn a_stated_period_that_the_record_does_not_tell_from_a_found_one_is_refused() {
     assert_eq!(text.matches("period_mm").count(), 1, "{text}");
 }
 
+/// The machine's noise of lengths does not judge angles: a wave that is left, small beside what is explained, is no misfit.
+#[test]
+fn an_angle_is_not_compared_with_the_noise_of_a_length() {
+    let folder = Folder::new(TRUEAXIS);
+    let record = |left: f64| {
+        scan(0.5, 721, "position_deg,error_urad", |q| {
+            format!("{q},{:.4}", 8.0 * (TAU * q / 4.0).sin() + left * (TAU * q / 2.7).sin() + 0.05 * (77.0 * q).sin())
+        })
+    };
+    let written = |left: f64| {
+        folder.write("worm.csv", record(left));
+        folder.write(
+            "mill/machine.toml",
+            "name = \"table\"\nchain = \"w C' X' Y' b Z t\"\n\n[axis.X]\ntravel_mm = [0.0, 400.0]\n\n[axis.Y]\n\
+             travel_mm = [0.0, 300.0]\n\n[axis.Z]\ntravel_mm = [0.0, 200.0]\n\n[axis.C]\ntravel_deg = [0.0, 360.0]\n\n\
+             [uncertainty]\neve_um = 0.1\n",
+        );
+        let scan = ["periodic", "worm.csv", "--axis", "C", "--period-deg", "4", "--json", "-o", "mill", "--dry-run"];
+        folder.json(&scan)["written"][0].clone()
+    };
+    assert_eq!(written(2.0)["why"], "nothing is stated");
+    let misfit = written(12.0);
+    assert!(misfit["written"].is_null() && misfit["why"].as_str().unwrap().contains("µrad RMS remain"), "{misfit}");
+}
+
 #[test]
 fn what_is_written_needs_a_machine_and_a_coarse_table() {
     let folder = Folder::new(TRUEAXIS);

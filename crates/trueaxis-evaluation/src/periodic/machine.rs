@@ -29,8 +29,9 @@ impl Test {
             }
         };
         // Noise is no misfit, however large: each harmonic exceeds it. Another wave in the record is one.
-        let fit =
-            found.remains.map(|_| Fit { before_mm: 1e-3 * found.before, left_mm: 1e-3 * found.left, noise_mm: None });
+        let [before_mm, left_mm] = [found.before, found.left].map(|micro| 1e-3 * micro);
+        let is_angle = self.options.axis.is_rotary();
+        let fit = found.remains.map(|_| Fit { before_mm, left_mm, noise_mm: None, is_angle });
         Additions { periods: found.periods.iter().map(of_period).collect(), fit, compensated, ..Additions::default() }
     }
 }
