@@ -218,6 +218,25 @@ fn an_angle_is_not_compared_with_the_noise_of_a_length() {
     assert!(misfit["written"].is_null() && misfit["why"].as_str().unwrap().contains("µrad RMS remain"), "{misfit}");
 }
 
+/// A record that the squareness or another axis comes from says something new of this axis.
+#[test]
+fn a_record_counts_for_each_axis_by_itself() {
+    let folder = Folder::new(TRUEAXIS);
+    let record = scan(0.2, 1000, "position_mm,error_um", |q| format!("{q:.1},{:.4}", (TAU * q / 5.0).cos() + 0.05 * (9.0 * q).sin()));
+    folder.write("scan.csv", record);
+    let period = |axis: char| {
+        format!("\n[[axis.{axis}.periodic]]\nperiod_mm = 5.0\nharmonics_um = [[1.0, 0.0]]\nstandard_uncertainty_um = 0.01\n")
+    };
+    machine(&folder, "mill", "w Y' b X Z t", &(period('X') + &period('Y')));
+    let why = |axis: &str| {
+        let scan = ["periodic", "scan.csv", "--axis", axis, "--period-mm", "5", "--harmonics", "1", "--json", "-o", "mill"];
+        folder.json(&scan)["written"][0]["why"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(why("X"), "agrees: weighted mean of both");
+    assert_eq!(why("Y"), "agrees: weighted mean of both");
+    assert_eq!(why("X"), "agrees: this record is already included");
+    }
+
 #[test]
 fn what_is_written_needs_a_machine_and_a_coarse_table() {
     let folder = Folder::new(TRUEAXIS);
