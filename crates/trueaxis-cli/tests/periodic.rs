@@ -237,6 +237,22 @@ fn a_record_counts_for_each_axis_by_itself() {
     assert_eq!(why("X"), "agrees: this record is already included");
     }
 
+/// Options that only mean something for a machine to write are refused without one.
+#[test]
+fn options_of_writing_need_a_machine_to_write() {
+    let folder = Folder::new(TRUEAXIS);
+    machine(&folder, "mill", "w Y' b X Z t", "");
+    folder.write("scan.csv", scan(0.2, 300, "position_mm,error_um", |q| format!("{q:.1},{:.4}", 0.1 * (9.0 * q * q).sin())));
+    let all = ["periodic", "scan.csv", "--axis", "X", "--period-mm", "5"];
+    for more in [&["--compensated"][..], &["--machine", "mill"]] {
+        let error = folder.bad(&[&all[..], more].concat(), &[]);
+        assert!(error.contains("--output") && error.contains("--dry-run"), "{error}");
+    }
+    folder.good(&[&all[..], &["--machine", "mill", "--compensated", "--dry-run"]].concat());
+    let text = folder.good(&all);
+    assert!(text.contains("no harmonic above") && text.contains("unless the machine states reverse_um for it"), "{text}");
+}
+
 #[test]
 fn what_is_written_needs_a_machine_and_a_coarse_table() {
     let folder = Folder::new(TRUEAXIS);
@@ -319,7 +335,7 @@ fn a_worm_is_found_in_two_columns() {
     near(&found["periods"][0]["harmonics"][0], [0.0, 8.0], 0.02);
     assert!(found["periods"][0]["reverse"].is_null() && found["unit"] == "deg" && found["error_unit"] == "urad");
     let text = folder.good(&["periodic", "worm.csv", "--axis", "C", "--period-deg", "4"]);
-    assert!(text.contains("µrad repeat within 4 deg"), "{text}");
+    assert!(text.contains("µrad peak to valley repeat within 4 deg"), "{text}");
 }
 
 /// A ballbar on the exact machine: the chirp gives the same harmonics as the scan.
