@@ -1,7 +1,7 @@
 //! Errors that repeat within a pitch, on records computed from stated harmonics.
 
 use std::f64::consts::TAU;
-use trueaxis_metrology::periodic::{Found, PeriodicRefusal, Place, Reading, identify};
+use trueaxis_metrology::periodic::{Found, PeriodicRefusal, Place, Reading, identify, least_amplitude};
 use trueaxis_metrology::uncertainty::Draws;
 
 /// A period and its harmonics a, b.

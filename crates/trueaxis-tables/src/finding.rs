@@ -253,7 +253,9 @@ impl Fit {
             Some(noise) => (self.left_mm > MISFIT * noise).then(|| format!("{}, the noise is {}", left(), um(noise))),
             None => (self.left_mm.powi(2) > 0.5 * self.before_mm.powi(2)).then(|| match self.is_angle {
                 true => left(),
-                false => format!("{}; where that is noise, state it: eve_um of [uncertainty] or repeatability_um", left()),
+                false => {
+                    format!("{}; where that is noise, state it: eve_um of [uncertainty] or repeatability_um", left())
+                }
             }),
         }
     }

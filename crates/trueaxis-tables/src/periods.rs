@@ -119,18 +119,16 @@ impl FoundPeriod {
             if reverse.is_empty() { forward.clone() } else { reverse.clone() }
         };
         let sum = |own: &Harmonics, stated: &Harmonics| joined(own, stated, |own, stated| own + stated);
+        // Without harmonics, negative travel would have those of positive travel.
+        let some = |own: Harmonics| if own.is_empty() { vec![[0.0; 2]] } else { own };
         let [forward, reverse] = [&stated.harmonics, &either(&stated.harmonics, &stated.reverse)];
         let staying = [forward, reverse].map(|own| self.staying(own));
         let same = stated.reverse.is_empty() || !self.on_top && staying[0] == staying[1];
         match self.one_way {
-            Some(true) if !stated.reverse.is_empty() => {
-                let own = sum(&found[0], &staying[1]);
-                // An empty list would be that of positive travel.
-                [forward.clone(), if own.is_empty() { vec![[0.0; 2]] } else { own }]
-            }
+            Some(true) if !stated.reverse.is_empty() => [forward.clone(), some(sum(&found[0], &staying[1]))],
             Some(false) if !stated.reverse.is_empty() => [sum(&found[0], &staying[0]), reverse.clone()],
             _ if self.reverse.is_empty() && same => [sum(&found[0], &staying[0]), Vec::new()],
-            _ => [sum(&found[0], &staying[0]), sum(&either(&found[0], &found[1]), &staying[1])],
+            _ => [sum(&found[0], &staying[0]), some(sum(&either(&found[0], &found[1]), &staying[1]))],
         }
     }
 
@@ -287,7 +285,9 @@ pub(crate) fn refuse_double(
         let (unit, letter) = (own.units()[0], own.letter());
         let travel = machine.settings.axis(own.axis).map_or(0.0, |axis| axis.travel[1] - axis.travel[0]);
         let sections = own.sections(document).into_iter().flatten().enumerate();
-        for (place, (period, stated)) in sections.filter_map(|(place, of)| Some((place, (own.period_of(of)?, own.stated_in(of))))) {
+        for (place, (period, stated)) in
+            sections.filter_map(|(place, of)| Some((place, (own.period_of(of)?, own.stated_in(of)))))
+        {
             if own.waves_apart(period, own.length) < 1.0 {
                 if own.waves_apart(period, own.length.max(travel)) > SAME {
                     let found = format!("a period of {} {unit}", short(own.period));

@@ -103,7 +103,12 @@ fn values_are_written_with_how_well_they_are_known() {
 fn a_misfit_writes_nothing() {
     let found = [("location.C0Y_urad", known(50.0, 0.1))];
     let fit = |left_um: f64, noise_um: Option<f64>| {
-        Some(Fit { before_mm: 3.3e-3, left_mm: 1e-3 * left_um, noise_mm: noise_um.map(|um| 1e-3 * um), is_angle: false })
+        Some(Fit {
+            before_mm: 3.3e-3,
+            left_mm: 1e-3 * left_um,
+            noise_mm: noise_um.map(|um| 1e-3 * um),
+            is_angle: false,
+        })
     };
     for (fit, writes) in [
         (fit(3.68, None), false),

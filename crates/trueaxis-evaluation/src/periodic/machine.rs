@@ -6,8 +6,8 @@ use trueaxis_tables::finding::Fit;
 use trueaxis_tables::{Additions, FoundPeriod};
 
 impl Test {
-    /// Every period, also one without a harmonic: the machine may state one. `compensated`: the machine's figures corrected it during the scan, so the record shows
-    /// what they leave.
+    /// Every period, also one without a harmonic: the machine may state one. `compensated`: the machine's figures corrected it
+    /// during the scan, so the record shows what they leave.
     pub fn additions(&self, compensated: bool) -> Additions {
         let found = &self.found;
         let travelled = [false, true].map(|side| self.readings.iter().any(|own| own.own.is_negative == side));

@@ -63,10 +63,9 @@ fn direction(word: &str) -> Option<f64> {
 }
 
 impl Recording {
-    /// Reads the rows of a file opened with [`COLUMNS`]: a scan (`position_mm,error_um` with a `direction`, which
-    /// the order of the rows states if they do not turn round, or
-    /// `position_mm,fwd_um,rev_um`; of a rotary axis in deg and urad), or a ballbar's `angle_deg,deviation_um,direction` if the
-    /// options state its circle.
+    /// Reads the rows of a file opened with [`COLUMNS`]: a scan (`position_mm,error_um` with a `direction`, which the
+    /// order of the rows gives if they do not turn round, or `position_mm,fwd_um,rev_um`; of a rotary axis in deg and urad), or
+    /// a ballbar's `angle_deg,deviation_um,direction` if the options state its circle.
     ///
     /// # Errors
     /// A row that cannot be read, columns of neither form, a direction of 0, an error that no instrument reads or that stops
