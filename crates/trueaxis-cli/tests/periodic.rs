@@ -119,9 +119,155 @@ fn a_direction_that_was_not_travelled_keeps_its_harmonics() {
     machine(&folder, "true", "w Y' b X Z t", PERIODS);
     machine(&folder, "mill", "w Y' b X Z t", &PERIODS.replace("1.9, -0.4", "0.5, 0.0"));
     folder.good(&["periodic", "simulate", "--machine", "true", "--axis", "X", "--one-way", "-o", "scan.csv"]);
-    folder.good(&["periodic", "scan.csv", "--axis", "X", "--period-mm", "5", "-o", "mill"]);
+    folder.good(&["periodic", "scan.csv", "--axis", "X", "--period-mm", "5", "--period-mm", "1.25", "-o", "mill"]);
     let text = folder.read("mill/machine.toml");
     assert!(text.contains("reverse_um = [[1.4, -0.6], [0.3, 0.2]]") && !text.contains("0.5, 0.0"), "{text}");
+}
+
+/// `--harmonics 1` says nothing of the second, which stays in both directions.
+#[test]
+fn a_harmonic_that_was_not_tried_keeps_its_value() {
+    let folder = Folder::new(TRUEAXIS);
+    machine(&folder, "true", "w Y' b X Z t", "\n[[axis.X.periodic]]\nperiod_mm = 5.0\nharmonics_um = [[1.9, -0.4]]\n");
+    for (reverse, kept) in [("", ""), ("reverse_um = [[0.5, 0.0], [0.0, 0.75]]\n", "[0.0, 0.75]]")] {
+        let stated = "\n[[axis.X.periodic]]\nperiod_mm = 5.0\nharmonics_um = [[0.5, 0.0], [0.25, 0.375]]\n";
+        machine(&folder, "mill", "w Y' b X Z t", &format!("{stated}{reverse}"));
+        folder.good(&["periodic", "simulate", "--machine", "true", "--axis", "X", "-o", "scan.csv"]);
+        let scan = ["periodic", "scan.csv", "--axis", "X", "--period-mm", "5", "--harmonics", "1"];
+        folder.good(&[&scan[..], &["-o", "mill"]].concat());
+        let text = folder.read("mill/machine.toml");
+        assert!(text.contains("[0.25, 0.375]]") && text.contains(kept) && !text.contains("[0.5, 0.0]"), "{text}");
+        assert_eq!(text.contains("reverse_um"), !reverse.is_empty(), "{text}");
+    }
+}
+
+/// A stated error of 3 µm that a scan does not find becomes zero, with its uncertainty; without a stated one nothing is added.
+#[test]
+fn a_stated_period_that_is_not_found_becomes_zero() {
+    let folder = Folder::new(TRUEAXIS);
+    machine(&folder, "true", "w Y' b X Z t", "");
+    machine(&folder, "mill", "w Y' b X Z t", "\n[[axis.X.periodic]]\nperiod_mm = 5.0\nharmonics_um = [[3.0, 0.0]]\n");
+    folder.good(&["periodic", "simulate", "--machine", "true", "--axis", "X", "-o", "scan.csv"]);
+    let scan = ["periodic", "scan.csv", "--axis", "X", "--period-mm", "5", "--json", "-o"];
+    let done = folder.json(&[&scan[..], &["mill"]].concat());
+    let value = |which: &str| done["written"][0][which]["value"].as_f64();
+    assert_eq!([value("old"), value("written")], [Some(3.0), Some(0.0)], "{done}");
+    let text = folder.read("mill/machine.toml");
+    assert!(text.contains("harmonics_um = [[0.0, 0.0]]") && text.contains("standard_uncertainty_um"), "{text}");
+    machine(&folder, "bare", "w Y' b X Z t", "");
+    for force in [&[][..], &["--force"]] {
+        let done = folder.json(&[&scan[..], &["bare"], force].concat());
+        assert!(done["written"][0]["written"].is_null(), "{done}");
+        assert!(!folder.read("bare/machine.toml").contains("periodic"));
+    }
+}
+
+/// What another section of the axis states would be corrected twice.
+#[test]
+fn a_stated_period_that_the_record_does_not_tell_from_a_found_one_is_refused() {
+    let folder = Folder::new(TRUEAXIS);
+    let stated = |period: &str, harmonics: &str| {
+        format!("\n[[axis.X.periodic]]\nperiod_mm = {period}\nharmonics_um = {harmonics}\n")
+    };
+    let fourth = stated("5.0", "[[1.9, 0.0], [0.0, 0.0], [0.0, 0.0], [0.5, 0.0]]");
+    machine(&folder, "true", "w Y' b X Z t", &fourth);
+    folder.good(&["periodic", "simulate", "--machine", "true", "--axis", "X", "-o", "scan.csv"]);
+    let scan =
+        |more: &[&'static str]| [&["periodic", "scan.csv", "--axis", "X", "-o", "mill", "--period-mm"], more].concat();
+    for (periods, with, refused) in [
+        (stated("1.25", "[[0.25, 0.0]]"), &["5"][..], "needed both evaluated together: give --period-mm 1.25 too"),
+        (stated("1.25", "[[0.25, 0.0]]"), &["5", "--period-mm", "1.25"][..], ""),
+        (stated("1.25", "[[0.25, 0.0]]"), &["5", "--compensated"][..], ""),
+        (stated("1.3", "[[0.25, 0.0]]"), &["5"][..], ""),
+        (fourth, &["5", "--period-mm", "1.25"][..], "needed zero for it"),
+        (
+            stated("5.004", "[[0.25, 0.0]]"),
+            &["5"][..],
+            "found a period of 5 mm, needed 5.004 mm, which [[axis.X.periodic]]",
+        ),
+        (stated("5.0001", "[[0.25, 0.0]]"), &["5"][..], ""),
+    ] {
+        machine(&folder, "mill", "w Y' b X Z t", &periods);
+        if refused.is_empty() {
+            folder.good(&scan(with));
+        } else {
+            let error = folder.bad(&scan(with), &[]);
+            assert!(error.contains(refused), "{error}");
+        }
+    }
+    let text = folder.read("mill/machine.toml");
+    assert_eq!(text.matches("period_mm").count(), 1, "{text}");
+}
+
+/// The machine's noise of lengths does not judge angles: a wave that is left, small beside what is explained, is no misfit.
+#[test]
+fn an_angle_is_not_compared_with_the_noise_of_a_length() {
+    let folder = Folder::new(TRUEAXIS);
+    let record = |left: f64| {
+        scan(0.5, 721, "position_deg,error_urad", |q| {
+            format!("{q},{:.4}", 8.0 * (TAU * q / 4.0).sin() + left * (TAU * q / 2.7).sin() + 0.05 * (77.0 * q).sin())
+        })
+    };
+    let written = |left: f64| {
+        folder.write("worm.csv", record(left));
+        folder.write(
+            "mill/machine.toml",
+            "name = \"table\"\nchain = \"w C' X' Y' b Z t\"\n\n[axis.X]\ntravel_mm = [0.0, 400.0]\n\n[axis.Y]\n\
+             travel_mm = [0.0, 300.0]\n\n[axis.Z]\ntravel_mm = [0.0, 200.0]\n\n[axis.C]\ntravel_deg = [0.0, 360.0]\n\n\
+             [uncertainty]\neve_um = 0.1\n",
+        );
+        let scan = ["periodic", "worm.csv", "--axis", "C", "--period-deg", "4", "--json", "-o", "mill", "--dry-run"];
+        folder.json(&scan)["written"][0].clone()
+    };
+    assert_eq!(written(2.0)["why"], "nothing is stated");
+    let misfit = written(12.0);
+    assert!(misfit["written"].is_null() && misfit["why"].as_str().unwrap().contains("µrad RMS remain"), "{misfit}");
+}
+
+/// A record that the squareness or another axis comes from says something new of this axis.
+#[test]
+fn a_record_counts_for_each_axis_by_itself() {
+    let folder = Folder::new(TRUEAXIS);
+    let record = scan(0.2, 1000, "position_mm,error_um", |q| {
+        format!("{q:.1},{:.4}", (TAU * q / 5.0).cos() + 0.05 * (9.0 * q).sin())
+    });
+    folder.write("scan.csv", record);
+    let period = |axis: char| {
+        format!(
+            "\n[[axis.{axis}.periodic]]\nperiod_mm = 5.0\nharmonics_um = [[1.0, 0.0]]\nstandard_uncertainty_um = 0.01\n"
+        )
+    };
+    machine(&folder, "mill", "w Y' b X Z t", &(period('X') + &period('Y')));
+    let why = |axis: &str| {
+        let scan =
+            ["periodic", "scan.csv", "--axis", axis, "--period-mm", "5", "--harmonics", "1", "--json", "-o", "mill"];
+        folder.json(&scan)["written"][0]["why"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(why("X"), "agrees: weighted mean of both");
+    assert_eq!(why("Y"), "agrees: weighted mean of both");
+    assert_eq!(why("X"), "agrees: this record is already included");
+}
+
+/// Options that only mean something for a machine to write are refused without one.
+#[test]
+fn options_of_writing_need_a_machine_to_write() {
+    let folder = Folder::new(TRUEAXIS);
+    machine(&folder, "mill", "w Y' b X Z t", "");
+    folder.write(
+        "scan.csv",
+        scan(0.2, 300, "position_mm,error_um", |q| format!("{q:.1},{:.4}", 0.1 * (9.0 * q * q).sin())),
+    );
+    let all = ["periodic", "scan.csv", "--axis", "X", "--period-mm", "5"];
+    for more in [&["--compensated"][..], &["--machine", "mill"]] {
+        let error = folder.bad(&[&all[..], more].concat(), &[]);
+        assert!(error.contains("--output") && error.contains("--dry-run"), "{error}");
+    }
+    folder.good(&[&all[..], &["--machine", "mill", "--compensated", "--dry-run"]].concat());
+    let text = folder.good(&all);
+    assert!(
+        text.contains("no harmonic above") && text.contains("unless the machine states reverse_um for it"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -177,6 +323,26 @@ fn records_that_determine_nothing_are_refused_with_what_is_needed() {
     assert!(other.contains("needed the columns position_mm, error_um, or position_mm, fwd_um, rev_um; for"), "{other}");
 }
 
+/// The order of the rows is the direction of travel where no column states it.
+#[test]
+fn a_falling_scan_is_negative_travel() {
+    let folder = Folder::new(TRUEAXIS);
+    let wave = |q: f64| (TAU * q / 5.0).cos() + 0.05 * (9.0 * q).sin();
+    let falling = scan(0.2, 300, "position_mm,error_um", |q| format!("{:.1},{:.4}", 60.0 - q, wave(60.0 - q)));
+    folder.write("falling.csv", &falling);
+    folder.write("both.csv", scan(0.2, 300, falling.trim_end(), |q| format!("{q:.1},{:.4}", wave(q))));
+    machine(&folder, "mill", "w Y' b X Z t", PERIODS.split("\n[[axis.X.periodic]]\nperiod_mm = 1.25").next().unwrap());
+    let all = ["--axis", "X", "--period-mm", "5", "--force", "-o", "mill"];
+    folder.good(&[&["periodic", "falling.csv"], &all[..]].concat());
+    let text = folder.read("mill/machine.toml");
+    assert!(text.contains("\nharmonics_um = [[1.9, -0.4], [0.3, 0.2]]") && !text.contains("1.4, -0.6"), "{text}");
+    let both = folder.bad(&[&["periodic", "both.csv"], &all[..]].concat(), &[]);
+    assert!(
+        both.contains("both.csv:303: column position_mm: found 0.2") && both.contains("needed a column direction"),
+        "{both}"
+    );
+}
+
 /// A rotary axis, both directions in columns.
 #[test]
 fn a_worm_is_found_in_two_columns() {
@@ -189,7 +355,7 @@ fn a_worm_is_found_in_two_columns() {
     near(&found["periods"][0]["harmonics"][0], [0.0, 8.0], 0.02);
     assert!(found["periods"][0]["reverse"].is_null() && found["unit"] == "deg" && found["error_unit"] == "urad");
     let text = folder.good(&["periodic", "worm.csv", "--axis", "C", "--period-deg", "4"]);
-    assert!(text.contains("µrad repeat within 4 deg"), "{text}");
+    assert!(text.contains("µrad peak to valley repeat within 4 deg"), "{text}");
 }
 
 /// A ballbar on the exact machine: the chirp gives the same harmonics as the scan.

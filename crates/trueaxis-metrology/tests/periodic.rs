@@ -1,7 +1,7 @@
 //! Errors that repeat within a pitch, on records computed from stated harmonics.
 
 use std::f64::consts::TAU;
-use trueaxis_metrology::periodic::{Found, PeriodicRefusal, Place, Reading, identify};
+use trueaxis_metrology::periodic::{Found, PeriodicRefusal, Place, Reading, identify, least_amplitude};
 use trueaxis_metrology::uncertainty::Draws;
 
 /// A period and its harmonics a, b.
@@ -262,4 +262,14 @@ fn what_is_left_is_named() {
     let readings = scanned(every(0.1, 200.0), false, |q| error(&truth, q) + 0.2 * draws.normal());
     let left = identify(&readings, &[5.0], None).unwrap().remains.unwrap();
     assert!((left.period - 1.27).abs() < 0.01 && (left.amplitude - 0.5).abs() < 0.1, "{left:?}");
+}
+
+/// Quantiles of chi-squared for 99.73 %: 11.829 of two degrees of freedom, 16.251 of four (a table).
+#[test]
+fn a_harmonic_in_both_directions_is_kept_from_a_smaller_amplitude() {
+    for (directions, squares) in [(1, 11.829_f64), (2, 16.251 / 2.0)] {
+        let least = least_amplitude(0.5, directions, 1_000_000);
+        assert!((least - 0.5 * squares.sqrt()).abs() < 1e-3, "{least}");
+    }
+    assert!(least_amplitude(0.5, 1, 5) > 1.5 * least_amplitude(0.5, 1, 1_000_000));
 }

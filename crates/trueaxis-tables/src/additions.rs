@@ -38,7 +38,7 @@ pub struct Additions {
     pub periods: Vec<FoundPeriod>,
     /// Residual of the test's fit; with a misfit no finding is written.
     pub fit: Option<Fit>,
-    /// Number of the record that the findings are based on ([`finding::record_number`]); `None`: the record has no number.
+    /// Number of the record that the findings are based on ([`Additions::of_record`]); `None`: the record has no number.
     pub record: Option<String>,
     /// Whether the machine's tables corrected it during the recording. A record that the machine already includes is then not
     /// added a second time.
@@ -49,10 +49,12 @@ pub struct Additions {
 }
 
 impl Additions {
-    /// Sets the record to the one with these bytes.
+    /// Sets the record to the one with these bytes. Periods of each axis have their own number: a ballbar's record also gives
+    /// squareness and the periods of a second axis.
     #[must_use]
     pub fn of_record(self, bytes: &[u8]) -> Additions {
-        Additions { record: Some(finding::record_number(bytes)), ..self }
+        let of = self.periods.first().map(|own| format!("periodic {}", own.axis.letter())).unwrap_or_default();
+        Additions { record: Some(finding::record_number(&[bytes, of.as_bytes()].concat())), ..self }
     }
 
     /// Decides on every finding for a machine; `name` is that of its `machine.toml`. Nothing is written.
@@ -102,7 +104,9 @@ impl Additions {
             None => (again && (self.compensated || on_top)).then_some(Why::SameRecord),
         };
         decisions.extend(self.periods.iter().map(|own| own.decided(document, !again, why(own.on_top))));
-        for own in decisions.iter_mut().filter(|_| self.force && !(again && self.compensated)) {
+        // A period that neither the record nor the machine has is no value.
+        let is_value = |own: &&mut Decision| own.why != Why::Nothing || own.found.value != 0.0;
+        for own in decisions.iter_mut().filter(|_| self.force && !(again && self.compensated)).filter(is_value) {
             if below(&own.key, &own.found) {
                 (own.written, own.why) = (None, Why::OverCompensated);
             } else {
@@ -131,7 +135,10 @@ impl Additions {
         let mut document = editable(&current.text, &origin)?;
         let mut edited = Edited { files: Vec::new(), notes: Vec::new() };
         let decisions = self.decided(&before, &known, &document);
-        for (period, decision) in self.periods.iter().zip(&decisions[self.findings.len()..]) {
+        let of_periods = self.periods.iter().zip(&decisions[self.findings.len()..]);
+        let with: Vec<_> = of_periods.clone().map(|(own, decision)| (own, decision.written.is_some())).collect();
+        periods::refuse_double(&with, &before, (&document, &origin))?;
+        for (period, decision) in of_periods {
             edited.notes.extend(periods::write(
                 period,
                 decision,

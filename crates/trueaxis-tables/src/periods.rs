@@ -9,8 +9,8 @@ use crate::text::short;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, TableLike, Value};
 use trueaxis::machine::Axis;
 
-/// Two periods are one if they differ by less than this share.
-const SAME: f64 = 1e-3;
+/// Two periods are one if their numbers of waves over a length differ by less.
+const SAME: f64 = 0.01;
 
 /// Cosine and sine of harmonics 1, 2, …, µm or µrad.
 type Harmonics = Vec<[f64; 2]>;
@@ -26,12 +26,16 @@ pub struct FoundPeriod {
     pub axis: Axis,
     /// The period, mm or degrees.
     pub period: f64,
+    /// Range of the record's positions, mm or degrees: it tells periods apart whose numbers of waves over it differ by one.
+    pub length: f64,
     /// Harmonics in positive travel, and in negative travel unless `reverse` has others.
     pub harmonics: Harmonics,
     /// Harmonics in negative travel; empty: as in positive travel.
     pub reverse: Harmonics,
     /// Whether the record travels in negative direction only, or in positive only; `None`: in both.
     pub one_way: Option<bool>,
+    /// Numbers of the harmonics that were tried; any other stated one stays.
+    pub tried: Vec<usize>,
     /// Standard uncertainty of a coefficient.
     pub uncertainty: f64,
     /// Degrees of freedom of the uncertainty.
@@ -74,38 +78,57 @@ impl FoundPeriod {
 
     /// Number of the section with this period.
     fn place(&self, document: &DocumentMut) -> Option<usize> {
-        let key = format!("period_{}", self.units()[0]);
-        let period = |table: &toml_edit::Table| table.get(&key).and_then(number);
-        let near = |stated: f64| (stated - self.period).abs() < SAME * self.period;
-        self.sections(document)?.iter().position(|table| period(table).is_some_and(near))
+        let near = |stated: f64| self.waves_apart(stated, self.length) < SAME;
+        self.sections(document)?.iter().position(|table| self.period_of(table).is_some_and(near))
+    }
+
+    /// The period that a section states.
+    fn period_of(&self, section: &toml_edit::Table) -> Option<f64> {
+        section.get(&format!("period_{}", self.units()[0])).and_then(number)
+    }
+
+    /// Difference to another period in waves over a length.
+    fn waves_apart(&self, period: f64, length: f64) -> f64 {
+        (1.0 / self.period - 1.0 / period).abs() * length
     }
 
     fn stated(&self, document: &DocumentMut) -> Option<Stated> {
-        let table = self.sections(document)?.get(self.place(document)?)?;
+        Some(self.stated_in(self.sections(document)?.get(self.place(document)?)?))
+    }
+
+    fn stated_in(&self, table: &toml_edit::Table) -> Stated {
         let micro = self.units()[1];
         let list = |key: &str| table.get(&format!("{key}_{micro}")).map(pairs).unwrap_or_default();
         let uncertainty = table.get(&format!("standard_uncertainty_{micro}")).and_then(number);
-        Some(Stated { harmonics: list("harmonics"), reverse: list("reverse"), uncertainty })
+        Stated { harmonics: list("harmonics"), reverse: list("reverse"), uncertainty }
     }
 
-    /// Found harmonics in total: a residual is added to the stated ones, and a direction that was not travelled keeps its own.
+    /// Stated harmonics to which the found ones are added: all if these are a residual, otherwise those that were not tried.
+    fn staying(&self, stated: &[[f64; 2]]) -> Harmonics {
+        let stays = |number: usize| self.on_top || !self.tried.contains(&number);
+        let count = (1..=stated.len()).rev().find(|number| stays(*number)).unwrap_or(0);
+        (1..=count).map(|number| if stays(number) { stated[number - 1] } else { [0.0; 2] }).collect()
+    }
+
+    /// Found harmonics in total: a residual is added to the stated ones, a harmonic that was not tried and a direction that was
+    /// not travelled keep their own.
     fn total(&self, stated: Option<&Stated>) -> [Harmonics; 2] {
         let found = [self.harmonics.clone(), self.reverse.clone()];
         let Some(stated) = stated else { return found };
         let either = |forward: &Harmonics, reverse: &Harmonics| {
             if reverse.is_empty() { forward.clone() } else { reverse.clone() }
         };
-        let on_top = |own: Harmonics, stated: &Harmonics| {
-            if self.on_top { joined(&own, stated, |own, stated| own + stated) } else { own }
-        };
+        let sum = |own: &Harmonics, stated: &Harmonics| joined(own, stated, |own, stated| own + stated);
+        // Without harmonics, negative travel would have those of positive travel.
+        let some = |own: Harmonics| if own.is_empty() { vec![[0.0; 2]] } else { own };
         let [forward, reverse] = [&stated.harmonics, &either(&stated.harmonics, &stated.reverse)];
+        let staying = [forward, reverse].map(|own| self.staying(own));
+        let same = stated.reverse.is_empty() || !self.on_top && staying[0] == staying[1];
         match self.one_way {
-            Some(true) if !stated.reverse.is_empty() => [forward.clone(), on_top(found[0].clone(), reverse)],
-            Some(false) if !stated.reverse.is_empty() => [on_top(found[0].clone(), forward), reverse.clone()],
-            _ if self.reverse.is_empty() && (!self.on_top || stated.reverse.is_empty()) => {
-                [on_top(found[0].clone(), forward), Vec::new()]
-            }
-            _ => [on_top(found[0].clone(), forward), on_top(either(&found[0], &found[1]), reverse)],
+            Some(true) if !stated.reverse.is_empty() => [forward.clone(), some(sum(&found[0], &staying[1]))],
+            Some(false) if !stated.reverse.is_empty() => [sum(&found[0], &staying[0]), reverse.clone()],
+            _ if self.reverse.is_empty() && same => [sum(&found[0], &staying[0]), Vec::new()],
+            _ => [sum(&found[0], &staying[0]), some(sum(&either(&found[0], &found[1]), &staying[1]))],
         }
     }
 
@@ -239,6 +262,67 @@ pub(crate) fn write(
     set(table, &format!("standard_uncertainty_{micro}"), Value::from(uncertainty));
     let how = if stated.is_some() { "replaced" } else { "added" };
     Ok(Some(format!("axis {}: period of {} {unit} {how}", axis.letter(), short(period.period))))
+}
+
+/// Numbers of the harmonics that are not zero in one of the directions.
+fn numbers<'h>(forward: &'h [[f64; 2]], reverse: &'h [[f64; 2]]) -> impl Iterator<Item = usize> + 'h {
+    let all = joined(forward, reverse, |one, other| one.hypot(other));
+    (1..).zip(all).filter(|(_, own)| *own != [0.0; 2]).map(|(number, _)| number)
+}
+
+/// Refuses periods of which a section of the machine states a part, that another section would add once more: `decided` are
+/// all periods of the run with whether each is written.
+///
+/// # Errors
+/// A stated period that the record cannot tell from one that is written, or a stated harmonic that it cannot tell from a
+/// found one of another period.
+pub(crate) fn refuse_double(
+    decided: &[(&FoundPeriod, bool)],
+    machine: &Machine,
+    (document, origin): (&DocumentMut, &Origin),
+) -> Result<(), FileError> {
+    for (own, _) in decided.iter().filter(|(_, is_written)| *is_written) {
+        let (unit, letter) = (own.units()[0], own.letter());
+        let travel = machine.settings.axis(own.axis).map_or(0.0, |axis| axis.travel[1] - axis.travel[0]);
+        let sections = own.sections(document).into_iter().flatten().enumerate();
+        for (place, (period, stated)) in
+            sections.filter_map(|(place, of)| Some((place, (own.period_of(of)?, own.stated_in(of)))))
+        {
+            if own.waves_apart(period, own.length) < 1.0 {
+                if own.waves_apart(period, own.length.max(travel)) > SAME {
+                    let found = format!("a period of {} {unit}", short(own.period));
+                    let needed = format!(
+                        "{} {unit}, which [[axis.{letter}.periodic]] states and {} {unit} of record do not tell from it",
+                        short(period),
+                        short(own.length)
+                    );
+                    return Err(origin.whole(found, needed));
+                }
+                continue;
+            }
+            let of_run = decided.iter().map(|(own, _)| own).find(|other| other.place(document) == Some(place));
+            let is_stale = |number: &usize| of_run.is_none_or(|other| !other.tried.contains(number));
+            let alike = |number: &usize| {
+                let apart = |found: usize| (found as f64 / own.period - *number as f64 / period).abs() * own.length;
+                numbers(&own.harmonics, &own.reverse).find(|found| apart(*found) < 1.0)
+            };
+            // A residual is beside what corrected the record.
+            let mut stated = numbers(&stated.harmonics, &stated.reverse).filter(|_| !own.on_top).filter(is_stale);
+            let Some((number, found)) = stated.find_map(|number| Some((number, alike(&number)?))) else { continue };
+            let found = format!(
+                "harmonic {number} of {} {unit} in [[axis.{letter}.periodic]], which the record does not tell from harmonic {found} \
+                 of {} {unit}",
+                short(period),
+                short(own.period)
+            );
+            let needed = match of_run {
+                Some(_) => "zero for it: both would correct the same error".into(),
+                None => format!("both evaluated together: give --period-{unit} {} too", short(period)),
+            };
+            return Err(origin.whole(found, needed));
+        }
+    }
+    Ok(())
 }
 
 /// Distance of the closest two points of an axis' own table, mm (deg), if it is so short that the table contains a part of an

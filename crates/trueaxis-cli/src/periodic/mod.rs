@@ -24,11 +24,12 @@ RECORD.csv is one of
   a scan: position_mm,error_um or position_mm,error_um,direction (1, + or fwd; -1, - or rev)
   a scan in both directions: position_mm,fwd_um,rev_um
   a ballbar's: angle_deg,deviation_um,direction, with --radius-mm and --centre-mm
-The error is actual less commanded position; of a rotary axis position_deg and error_urad. The position counts as the \
-machine does: the phase follows it. --centre-mm states where the circle was on the axes.
+The error is actual less commanded position; of a rotary axis position_deg and error_urad. Without a \
+direction, falling positions are negative travel. Positions are machine coordinates, so the phase refers to machine \
+zero. --centre-mm states where the circle was on the axes.
 
-Periods are known beforehand: the pitch of the screw, of the motor's poles (pitch over pole pairs; a stepper's full \
-steps: four), of a gear's or rack's teeth, of the scale. Give --period-mm once for each.
+Periods are known beforehand: the pitch of the screw, of the motor's poles (pitch over pole pairs; of a stepper: \
+four full steps), of a gear's or rack's teeth, of the scale. Give --period-mm once for each.
 
 The model:
   e(q) = S(q) + Σ_P Σ_h a_h cos(2πhq/P) + b_h sin(2πhq/P)
@@ -45,9 +46,9 @@ The record needs points at most P/4 apart, better P/24 for six harmonics, and do
 or a scale read at slow feed, a grid encoder, a dial gauge every 0.2 mm over twenty turns of the screw.
 
 -o writes the periods into [[axis.X.periodic]] of a machine, if they differ from those there by more than two combined \
-standard uncertainties; coefficients that agree become weighted means. Each key has harmonics of one or of both \
-directions and their standard uncertainty. A table with points closer than half a period is refused: it already \
-contains a part of the period.
+standard uncertainties; coefficients that agree become weighted means. Each section has the harmonics of one or of \
+both directions and their standard uncertainty. Harmonics that were not tried keep their stated values. What another \
+table or section already contains of a period is refused.
 
 More examples:
   # A rehearsal, see its own help:
@@ -62,6 +63,7 @@ pub(crate) type Periodic = OrSimulate<PeriodicArgs, simulate::SimulateArgs>;
 
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("period").args(["period_mm", "period_deg"]).required(true)))]
+#[command(group(clap::ArgGroup::new("into").args(["output", "dry_run"]).multiple(true)))]
 pub(crate) struct PeriodicArgs {
     /// Recorded scan or circles.
     #[arg(value_name = "RECORD.csv")]
@@ -95,10 +97,10 @@ pub(crate) struct PeriodicArgs {
     #[arg(long, value_name = "X,Y", value_parser = pair, default_value = "X,Y", help_heading = "A ballbar's record")]
     axes: [Axis; 2],
     /// The machine that was measured [default: that of -o].
-    #[arg(long, value_name = "M", help_heading = "Writing into a machine")]
+    #[arg(long, value_name = "M", requires = "into", help_heading = "Writing into a machine")]
     machine: Option<PathBuf>,
     /// The machine's figures corrected it during the record: add what it shows to them instead of replacing them.
-    #[arg(long, help_heading = "Writing into a machine")]
+    #[arg(long, requires = "into", help_heading = "Writing into a machine")]
     compensated: bool,
     /// Folder to write the machine into: its own, or a new one.
     #[arg(short, long, value_name = "MACHINE_DIR", help_heading = "Writing into a machine")]

@@ -352,6 +352,7 @@ impl Calibration {
             before_mm: solution.sigma_mm.hypot(solution.signal_mm),
             left_mm: solution.sigma_mm,
             noise_mm: Some(task.probe.repeatability_mm),
+            is_angle: false,
         };
         let findings = self.values().into_iter().map(finding).collect();
         Additions { findings, fit: Some(fit), compensated: task.compensated, ..Additions::default() }

@@ -3,7 +3,7 @@
 use super::Test;
 use crate::shown::{half_width, unit};
 use serde::Serialize;
-use trueaxis_metrology::periodic::{Harmonic, Period};
+use trueaxis_metrology::periodic::{Harmonic, Period, least_amplitude};
 use trueaxis_report::number::significant;
 
 /// Standard errors widened by more than this by the residual's power near a harmonic are worth a remark.
@@ -163,7 +163,7 @@ impl Test {
             verdict: String::new(),
             warnings: Vec::new(),
         };
-        document.verdict = document.sentence();
+        document.verdict = document.sentence(self.directions());
         document.warnings = self.warnings(&document);
         document
     }
@@ -189,27 +189,37 @@ impl Test {
         if self.left_out > 0 {
             warnings.push(format!("{} readings within 3° of a reversal are left out: spikes and play", self.left_out));
         }
-        let two_sided = [false, true].map(|side| self.readings.iter().any(|own| own.own.is_negative == side));
-        if two_sided != [true; 2] {
-            warnings.push("one direction of travel only: the error in the other one is taken to be the same".into());
+        if self.directions() < 2 {
+            warnings.push(format!(
+                "one direction of travel only: the other one is written the same unless the machine states reverse_{} for it",
+                document.error_unit
+            ));
         }
         warnings
+    }
+
+    /// Number of directions of travel in the record.
+    fn directions(&self) -> usize {
+        [false, true].into_iter().filter(|side| self.readings.iter().any(|own| own.own.is_negative == *side)).count()
     }
 }
 
 impl PeriodicDocument {
     /// What repeats, how much of the error that is, and what is left.
-    fn sentence(&self) -> String {
+    fn sentence(&self, directions: usize) -> String {
         let micro = unit(self.error_unit);
         let of_period = |own: &PeriodFound| {
             let within = format!("{} {}", own.period, self.unit);
             if own.harmonics.is_empty() {
-                let limit = 3.0 * own.standard_uncertainty;
-                return format!("nothing above {} {micro} repeats within {within}", significant(limit, 2));
+                let limit = 2.0 * least_amplitude(own.standard_uncertainty, directions, self.degrees_of_freedom);
+                return format!(
+                    "no harmonic above {} {micro} peak to valley repeats within {within}",
+                    significant(limit, 2)
+                );
             }
             let [up, down] = own.peak_to_valley.map(|size| significant(size, 3));
             let down = own.reverse.as_ref().map_or(String::new(), |_| format!(", {down} in negative travel"));
-            format!("{up} {micro}{down} repeat within {within}")
+            format!("{up} {micro}{down} peak to valley repeat within {within}")
         };
         let parts: Vec<String> = self.periods.iter().map(of_period).collect();
         let share = format!(

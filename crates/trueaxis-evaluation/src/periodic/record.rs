@@ -40,6 +40,7 @@ const DEVIATION: usize = 10;
 /// Readings of a circle closer to a reversal than this are left out: spikes and play, degrees.
 const REVERSAL_DEG: f64 = 3.0;
 const WAYS: &str = "1, + or fwd for positive travel, -1, - or rev for negative travel";
+const NO_WAY: &str = "a column direction, since the travel turns round: 1, + or fwd; -1, - or rev";
 const TURNS: &str = "1, + or ccw for counterclockwise, -1, - or cw for clockwise";
 
 /// A record and its file.
@@ -62,9 +63,9 @@ fn direction(word: &str) -> Option<f64> {
 }
 
 impl Recording {
-    /// Reads the rows of a file opened with [`COLUMNS`]: a scan (`position_mm,error_um` with an optional `direction`, or
-    /// `position_mm,fwd_um,rev_um`; of a rotary axis in deg and urad), or a ballbar's `angle_deg,deviation_um,direction` if the
-    /// options state its circle.
+    /// Reads the rows of a file opened with [`COLUMNS`]: a scan (`position_mm,error_um` with a `direction`, which the
+    /// order of the rows gives if they do not turn round, or `position_mm,fwd_um,rev_um`; of a rotary axis in deg and urad), or
+    /// a ballbar's `angle_deg,deviation_um,direction` if the options state its circle.
     ///
     /// # Errors
     /// A row that cannot be read, columns of neither form, a direction of 0, an error that no instrument reads or that stops
@@ -102,6 +103,28 @@ impl Recording {
     }
 }
 
+/// Travel of rows that state no direction.
+#[derive(Default)]
+struct Order {
+    last: Option<f64>,
+    is_rising: bool,
+    is_falling: bool,
+}
+
+impl Order {
+    /// Takes the next position, and returns whether the travel turns round before it.
+    fn turns(&mut self, position: f64) -> bool {
+        let before = self.last.unwrap_or(position);
+        if position > before && self.is_falling || position < before && self.is_rising {
+            return true;
+        }
+        self.is_rising |= position > before;
+        self.is_falling |= position < before;
+        self.last = Some(position);
+        false
+    }
+}
+
 /// Reads a scan; `of` gives the readings of a row with their directions, NaN for none. `named`: column of the first of them.
 fn scan(
     rows: &mut Rows<'_, 11>,
@@ -109,12 +132,19 @@ fn scan(
     of: impl Fn(&[f64; 11], f64) -> [(f64, f64); 2],
     named: usize,
 ) -> Result<Recording> {
+    // Two columns name their directions; one without a column of directions is read in the order of its rows.
     let has_way = rows.present[DIRECTION];
+    let in_order = !has_way && COLUMNS[named].name.starts_with("error");
+    let mut order = Order::default();
     let (mut readings, mut lines) = (Vec::new(), Vec::new());
     while let Some(row) = rows.next()? {
         let way = if has_way { row.values[DIRECTION] } else { 1.0 };
         if way == 0.0 {
             return Err(rows.error(row.line, "direction", 0, WAYS));
+        }
+        if in_order && order.turns(row.values[position]) {
+            let found = format!("{} against the travel before it", row.values[position]);
+            return Err(rows.error(row.line, COLUMNS[position].name, found, NO_WAY));
         }
         for (error, way) in of(&row.values, way).into_iter().filter(|(error, _)| error.is_finite()) {
             if COLUMNS[named].name.ends_with("_um") {
@@ -124,6 +154,11 @@ fn scan(
             let own = Place { position, is_negative, share: 1.0 };
             readings.push(Reading { own, other: None, along: position, pass: usize::from(is_negative), error });
             lines.push(row.line);
+        }
+    }
+    if order.is_falling {
+        for own in &mut readings {
+            (own.own.is_negative, own.pass) = (true, 1);
         }
     }
     let values: Vec<f64> = readings.iter().map(|own| own.error).collect();

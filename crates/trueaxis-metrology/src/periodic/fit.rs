@@ -40,6 +40,14 @@ pub fn identify(readings: &[Reading], periods: &[f64], harmonics: Option<usize>)
     Ok(found(readings, periods, (&sampled, &full, &alone), &last))
 }
 
+/// Returns the amplitude from which a harmonic is kept that is the same in so many directions of travel, 1 or 2, each of which
+/// finds its coefficients with this standard error.
+pub fn least_amplitude(standard_error: f64, directions: usize, degrees_of_freedom: usize) -> f64 {
+    let directions = directions.max(1) as f64;
+    let squares = chi_squared_quantile(THREE_SIGMA, 2.0 * directions) / directions;
+    standard_error * squares.sqrt() * Noise::few(degrees_of_freedom.max(1) as f64)
+}
+
 /// A harmonic in both directions, together or apart.
 fn waves(line: Line, apart: bool) -> impl Iterator<Item = Wave> {
     let sides: &[Side] = if apart { &[Side::Positive, Side::Negative] } else { &[Side::Both] };
@@ -119,12 +127,15 @@ impl Noise {
         Noise { white, of, freedom: fitted.solution.degrees_of_freedom().max(1) as f64 }
     }
 
+    /// Factor by which few readings widen a limit, which know their own scatter badly: Student's instead of the normal one.
+    fn few(freedom: f64) -> f64 {
+        student_factor(THREE_SIGMA, freedom) / student_factor(THREE_SIGMA, f64::INFINITY)
+    }
+
     /// Whether unknowns exceed their scatter: xᵀ C⁻¹ x against the chance of three standard deviations.
     fn is_significant(&self, values: &DVector<f64>, covariance: DMatrix<f64>) -> bool {
         let squares = covariance.cholesky().map_or(0.0, |factor| values.dot(&factor.solve(values)));
-        // Student's factor instead of the normal one: few readings know their own scatter badly.
-        let few = student_factor(THREE_SIGMA, self.freedom) / student_factor(THREE_SIGMA, f64::INFINITY);
-        squares > chi_squared_quantile(THREE_SIGMA, values.len() as f64) * few.powi(2)
+        squares > chi_squared_quantile(THREE_SIGMA, values.len() as f64) * Noise::few(self.freedom).powi(2)
     }
 
     /// Columns of the waves that `which` accepts, with the standard deviation of each.

@@ -32,7 +32,7 @@ mod sampling;
 mod slow;
 mod spectrum;
 
-pub use fit::identify;
+pub use fit::{identify, least_amplitude};
 pub use refused::{AliasOf, PeriodicRefusal};
 pub use spectrum::{Spectrum, spectrum};
 
