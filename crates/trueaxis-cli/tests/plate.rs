@@ -101,8 +101,10 @@ fn bad_plates_are_refused_with_their_line() {
     refused(&odd, &[&[&at(&odd, "turn_deg = 90", "")[..12]][..], &said].concat());
     let oblique = changed("turn_deg = 90", "turn_deg = 45");
     refused(&oblique, &[&at(&oblique, "turn_deg = 45", "plate.placement.turn_deg"), "0, 90, 180 or 270"]);
-    let long = changed("mm = 395.98", "mm = 280.0");
-    refused(&long, &[&at(&long, "mm = 280", "plate.length.mm"), "392.02"]);
+    // Two digits exchanged: 2,300 ppm of scale.
+    let long = changed("mm = 395.98", "mm = 395.08");
+    let said = [&at(&long, "mm = 395.08", "plate.length.mm")[..], "395.08", "395.980 mm, by its pitch, within 600 um"];
+    refused(&long, &said);
     let beside = changed("to = [5, 5]", "to = [6, 5]");
     refused(&beside, &[&at(&beside, "to = [6", "plate.length.to"), "column 1 to 5 and row 1 to 5"]);
     let narrow = changed("diameter_mm = 20.0", "diameter_mm = 8.0");

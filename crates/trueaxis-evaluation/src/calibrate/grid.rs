@@ -151,7 +151,7 @@ pub(super) fn directions(place: &Place) -> [[f64; 3]; 2] {
 
 impl Grid {
     /// Reads a plate and its placements.
-    pub(super) fn read(section: &Section<'_>) -> Result<(Grid, Vec<Place>), FileError> {
+    pub(super) fn read(section: &Section<'_>, tolerance_mm: f64) -> Result<(Grid, Vec<Place>), FileError> {
         let kind = section.choice("kind", [("balls", false), ("holes", true)])?;
         let holes = kind.ok_or_else(|| section.missing_here("kind", "\"balls\" or \"holes\""))?;
         let many = |key: &str, what: &str| whole(section, key, [2, 20])?.ok_or_else(|| section.missing_here(key, what));
@@ -164,7 +164,7 @@ impl Grid {
         let pitch_mm = needed(section, "pitch_mm", [least, 1000.0], " mm", "the distance of neighbours, mm")?;
         let mut grid = Grid { holes, diameter_mm, columns, rows, pitch_mm, ends: [0, columns - 1], length_mm: None };
         if let Some(length) = section.section("length")? {
-            grid.read_length(length)?;
+            grid.read_length(length, tolerance_mm)?;
         }
         let at = section.numbers::<3>("at_mm")?;
         let at = at.ok_or_else(|| section.missing_here("at_mm", "X, Y, Z of the machine at the plate's middle"))?;
@@ -181,7 +181,8 @@ impl Grid {
         Ok((grid, places))
     }
 
-    fn read_length(&mut self, section: Section<'_>) -> Result<(), FileError> {
+    /// Reads the known length: as far off its pitch as both of its ends may be.
+    fn read_length(&mut self, section: Section<'_>, tolerance_mm: f64) -> Result<(), FileError> {
         let end = |key: &str| {
             let found =
                 section.numbers::<2>(key)?.ok_or_else(|| section.missing_here(key, "column and row, from 1"))?;
@@ -198,9 +199,13 @@ impl Grid {
             return Err(section.wrong(&found, "another one than from"));
         }
         self.ends = [from, to];
-        let nominal = self.nominal_mm();
-        let about = [0.99, 1.01].map(|share| (100.0 * share * nominal).round() / 100.0);
-        let mm = needed(&section, "mm", about, " mm, by its pitch", "the distance of the two centres, mm")?;
+        let found = section.number("mm")?;
+        let found = found.ok_or_else(|| section.missing_here("mm", "the distance of the two centres, mm"))?;
+        let (mm, nominal, most) = (found.value, self.nominal_mm(), 2.0 * tolerance_mm);
+        if (mm - nominal).abs() > most || mm.is_nan() || mm <= 0.0 {
+            let needed = format!("{nominal:.3} mm, by its pitch, within {:.0} um (twice tolerance_um)", 1e3 * most);
+            return Err(section.wrong(&found, needed));
+        }
         let what = "the standard uncertainty of that distance, um";
         let uncertainty = 1e-3 * needed(&section, "uncertainty_um", [0.001, 1e4], " um", what)?;
         self.length_mm = Some([mm, uncertainty]);
