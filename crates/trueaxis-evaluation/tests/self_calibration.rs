@@ -382,6 +382,20 @@ fn the_rank_is_what_symmetry_says() {
     assert_eq!([free(&all).0, free(&[&[LENGTH][..], &all].concat()).0], [1, 0]);
 }
 
+/// Entered a few micrometres off the lines of the first placement, or higher, a plate is not moved.
+#[test]
+fn a_placement_off_its_lines_by_micrometres_is_not_moved() {
+    let off = TURNED.to_owned() + "at_mm = [215.05, 164.95, -200.0]\n";
+    let exact = free(&[LENGTH, LIES, TURNED]);
+    assert_eq!((free(&[LENGTH, LIES, &off]), exact.0), (exact.clone(), 2));
+    let again = LIES.to_owned() + "at_mm = [215.03, 165.0, -200.0]\n";
+    let higher = LIES.to_owned() + "at_mm = [215.0, 165.0, -199.0]\n";
+    for same in [again, higher] {
+        let (count, text) = free(&[LENGTH, LIES, TURNED, &same]);
+        assert!(count == 2 && text.contains("without a moved placement"), "{count}: {text}");
+    }
+}
+
 /// Balls on a plate upright in X and Z, turned onto its other edge and moved, through program, probing and log.
 #[test]
 fn a_plate_on_edge_gives_the_terms_of_z() {

@@ -162,6 +162,8 @@ impl Grid {
         let wall = if holes { WALL_MM } else { 0.0 };
         let least = diameter_mm + wall;
         let pitch_mm = needed(section, "pitch_mm", [least, 1000.0], " mm", "the distance of neighbours, mm")?;
+        // Its half, too, is whole steps of what a program prints: all lines are equally far apart.
+        let pitch_mm = 2.0 * printed(0.5 * pitch_mm);
         let mut grid = Grid { holes, diameter_mm, columns, rows, pitch_mm, ends: [0, columns - 1], length_mm: None };
         if let Some(length) = section.section("length")? {
             grid.read_length(length, tolerance_mm)?;
@@ -259,7 +261,25 @@ impl Grid {
             return Err(section.at(line, if moved.is_some() { "moved" } else { "turn_deg" }, &found, needed));
         }
         section.finish(None)?;
+        self.snap(&mut place, before);
         Ok(place)
+    }
+
+    /// Puts a placement onto the lines of those before it, from which it is off by less than they are told apart: a few
+    /// micrometres off them, an unmoved plate would look moved.
+    fn snap(&self, place: &mut Place, before: &[Place]) {
+        for axis in (0..3).filter(|axis| *axis != place.normal.index() % 3) {
+            let Some(line) = self.lines(before, axis).first().copied() else { continue };
+            let first = self.centre(place, 0)[axis];
+            let steps = ((first - line) / self.pitch_mm).round();
+            place.at_mm[axis] = printed(place.at_mm[axis] + line + steps * self.pitch_mm - first);
+        }
+    }
+
+    /// Whether two placements in the same plane lie apart in it.
+    pub(super) fn apart(&self, one: &Place, other: &Place) -> bool {
+        let axes = (0..3).filter(|axis| *axis != one.normal.index() % 3);
+        axes.map(|axis| one.at_mm[axis] - other.at_mm[axis]).any(|by| by.abs() > SAME * self.pitch_mm)
     }
 
     /// Axis and pitches by which a placement is off the lines of those before it.

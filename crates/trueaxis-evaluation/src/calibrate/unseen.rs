@@ -34,7 +34,7 @@ pub(super) fn words(plate: &Artefact, grid: &Grid, observed: &Observed, free: &C
         ]);
     }
     let shaped = is_free(|term| matches!(term, Term::Curve { degree: 2.., .. }));
-    if shaped && !plate.places.iter().all(|place| moved(place, &plate.places)) {
+    if shaped && !plate.places.iter().all(|place| moved(grid, place, &plate.places)) {
         lacking.push([
             "without a moved placement a shape that repeats itself turned cannot be told from the places of the plate's own \
              balls or holes",
@@ -71,7 +71,7 @@ fn turned(place: &Place, all: &[Place]) -> bool {
 }
 
 /// Whether placements in the same plane, turned alike, lie apart.
-fn moved(place: &Place, all: &[Place]) -> bool {
+fn moved(grid: &Grid, place: &Place, all: &[Place]) -> bool {
     let plane = || all.iter().filter(|other| other.normal == place.normal);
-    plane().any(|one| plane().any(|other| one.turn == other.turn && one.at_mm != other.at_mm))
+    plane().any(|one| plane().any(|other| one.turn == other.turn && grid.apart(one, other)))
 }
