@@ -396,6 +396,23 @@ fn a_placement_off_its_lines_by_micrometres_is_not_moved() {
     }
 }
 
+/// Nothing goes lower than the stated height, where the bottom of a hole or the plate is near.
+#[test]
+fn the_tip_stays_above_the_height_of_the_touches() {
+    for (kind, normal, axis, height) in
+        [("holes", "Z", 2, -200.0), ("balls", "Z", 2, -200.0), ("balls", "Y", 1, 165.0), ("holes", "X", 0, 215.0)]
+    {
+        let text = PLATE.replace("\"holes\"", &format!("\"{kind}\"")).replace("= 5\n", "= 3\n").replace("70.0", "50.0");
+        let text = format!("{text}[[plate.placement]]\nnormal = \"{normal}\"\n");
+        let task = Task::read(&text, Path::new("task.toml")).unwrap_or_else(|e| panic!("{e}"));
+        let plan = Plan::new(&task, &perfect(&linear(1).machine)).unwrap_or_else(|e| panic!("{e}"));
+        for touch in &plan.touches {
+            let lowest = touch.start[axis].min(touch.end[axis]).min(touch.take_up[axis]);
+            assert!(lowest == height && touch.take_up[axis] > height, "{kind}, {normal}: {touch:?}");
+        }
+    }
+}
+
 /// Balls on a plate upright in X and Z, turned onto its other edge and moved, through program, probing and log.
 #[test]
 fn a_plate_on_edge_gives_the_terms_of_z() {

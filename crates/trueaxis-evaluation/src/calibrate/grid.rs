@@ -169,7 +169,9 @@ impl Grid {
             grid.read_length(length, tolerance_mm)?;
         }
         let at = section.numbers::<3>("at_mm")?;
-        let at = at.ok_or_else(|| section.missing_here("at_mm", "X, Y, Z of the machine at the plate's middle"))?;
+        let height = if holes { "in the holes at the depth at which they are touched" } else { "at the height of the balls' centres" };
+        let middle = || format!("X, Y, Z of the machine with the tip at the plate's middle, {height}");
+        let at = at.ok_or_else(|| section.missing_here("at_mm", &middle()))?;
         let placements = section.sections("placement")?;
         if placements.is_empty() {
             return Err(section.missing_here("placement", "sections [[plate.placement]]"));
