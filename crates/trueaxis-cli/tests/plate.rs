@@ -59,6 +59,24 @@ fn the_sample_is_rehearsed_and_written() {
 }
 
 #[test]
+fn an_upright_plate_names_its_stylus() {
+    let flat = PLATE.replace("pitch_mm = 70.0", "pitch_mm = 50.0").replace("395.98", "282.84");
+    let upright = ["", "turn_deg = 90\n", "moved = [0, 1]\n"]
+        .map(|how| format!("[[plate.placement]]\nnormal = \"Y\"\nat_mm = [215.0, 200.0, -150.0]\n{how}"));
+    let folder = folder(&(flat + &upright.concat()));
+    let program = folder.good(&["calibrate", "plan", "task.toml"]);
+    let pauses: Vec<&str> = program.lines().filter(|line| line.starts_with("(MSG,set up plate")).collect();
+    let needs = |text: &str| text.contains("needs a stylus that points along Y");
+    assert_eq!(
+        pauses.iter().map(|pause| needs(pause)).collect::<Vec<_>>(),
+        [false, false, false, false, true, true, true]
+    );
+    let found = folder.json(&["calibrate", "plan", "task.toml", "-o", "probe.ngc", "--json"]);
+    let warnings = found["warnings"].as_array().unwrap();
+    assert!(warnings.len() == 3 && warnings.iter().all(|of| needs(of.as_str().unwrap())), "{warnings:?}");
+}
+
+#[test]
 fn bad_plates_are_refused_with_their_line() {
     let folder = folder(PLATE);
     let refused = |task: &str, parts: &[&str]| {

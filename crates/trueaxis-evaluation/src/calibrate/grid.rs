@@ -113,7 +113,8 @@ impl Grid {
     pub(super) fn set_up_text(&self, name: &str, place: &Place) -> String {
         let turned = if place.turn == 0 { String::new() } else { format!(", turned by {} degrees", 90 * place.turn) };
         let [x, y, z] = self.centre(place, 0).map(printed);
-        format!("plate {name}{turned}, facing {}, {} 1-1 at X{x} Y{y} Z{z}", place.normal.letter(), self.word())
+        let stylus = stylus(place).map_or(String::new(), |needs| format!(", {needs}"));
+        format!("plate {name}{turned}, facing {}{stylus}, {} 1-1 at X{x} Y{y} Z{z}", place.normal.letter(), self.word())
     }
 
     /// Coordinates of the balls along an axis of the machine in all placements, rising; empty across the plate.
@@ -125,6 +126,12 @@ impl Grid {
         all.dedup_by(|one, other| (*one - *other).abs() < SAME * self.pitch_mm);
         all
     }
+}
+
+/// What an upright plate needs: the probe comes from its side.
+pub(super) fn stylus(place: &Place) -> Option<String> {
+    let along = place.normal.index() % 3 != 2;
+    along.then(|| format!("needs a stylus that points along {}, towards it", place.normal.letter()))
 }
 
 /// Rounds as a program prints it.
@@ -169,7 +176,11 @@ impl Grid {
             grid.read_length(length, tolerance_mm)?;
         }
         let at = section.numbers::<3>("at_mm")?;
-        let height = if holes { "in the holes at the depth at which they are touched" } else { "at the height of the balls' centres" };
+        let height = if holes {
+            "in the holes at the depth at which they are touched"
+        } else {
+            "at the height of the balls' centres"
+        };
         let middle = || format!("X, Y, Z of the machine with the tip at the plate's middle, {height}");
         let at = at.ok_or_else(|| section.missing_here("at_mm", &middle()))?;
         let placements = section.sections("placement")?;
