@@ -127,6 +127,13 @@ fn bad_plates_are_refused_with_their_line() {
     refused(&beside, &[&at(&beside, "to = [6", "plate.length.to"), "column 1 to 5 and row 1 to 5"]);
     let narrow = changed("diameter_mm = 20.0", "diameter_mm = 8.0");
     refused(&narrow, &[&at(&narrow, name, "plate.diameter_mm"), "too little room in a hole", "approach_mm (3)"]);
+    let short = changed("repeats = 1", "repeats = 1\novertravel_mm = 1.4");
+    refused(&short, &[&at(&short, name, "probe.overtravel_mm"), "1.4 mm", "at least 1.5 mm"]);
+    // 1.5 mm beside the middle of a ball, of 3.5 + 2 mm.
+    let small = changed("\"holes\"", "\"balls\"").replace("diameter_mm = 20.0", "diameter_mm = 7.0");
+    refused(&small, &[&at(&small, name, "plate.diameter_mm"), "1.5 mm", "at most 1.375 mm", "approach_mm"]);
+    let low = changed("repeats = 1", "repeats = 1\nsafe_z_mm = -170.0");
+    refused(&low, &["task.toml:", "at Z -1", "above safe_z_mm (-170)", "safe_z_mm of at least -1"]);
     let alone =
         format!("{}{}", &PLATE[..PLATE.find("[reference]").unwrap()], &PLATE[PLATE.find("[[plate]]").unwrap()..]);
     let lost = format!("{alone}[solve]\nbacklash = true\n");

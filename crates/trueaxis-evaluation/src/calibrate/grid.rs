@@ -131,7 +131,7 @@ impl Grid {
 /// What an upright plate needs: the probe comes from its side.
 pub(super) fn stylus(place: &Place) -> Option<String> {
     let along = place.normal.index() % 3 != 2;
-    along.then(|| format!("needs a stylus that points along {}, towards it", place.normal.letter()))
+    along.then(|| format!("needs a stylus that points along {}, towards the plate", place.normal.letter()))
 }
 
 /// Rounds as a program prints it.
