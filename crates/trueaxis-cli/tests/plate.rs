@@ -96,15 +96,15 @@ fn bad_plates_are_refused_with_their_line() {
         "EYY",
         "without the turned placement squareness and the ratio of the scales cannot be told from the plate's own skew",
         "without a moved placement",
-        "needed a [[plate.placement]] with turn_deg = 90, a [[plate.placement]] with moved = [1, 0]",
+        "needed a [[plate.placement]] with turn_deg = 90; and a [[plate.placement]] with moved = [1, 0] or moved = [0, 1]\n",
     ];
     refused(once, &said);
     let (before, after) = (PLATE.find("[plate.length]").unwrap(), PLATE.find("[[plate.placement]]").unwrap());
     let loose = format!("{}{}", &PLATE[..before], &PLATE[after..]);
     let said = [
         &at(&loose, name, "plate.placement")[..],
-        "scale of X, scale of Y: without a known length one scale stays free",
-        "needed [plate.length]",
+        "these stay free: scale of X, scale of Y; without a known length one scale stays free",
+        "needed [plate.length] between two of its holes\n",
     ];
     refused(&loose, &said);
     let changed = |from: &str, to: &str| {

@@ -382,6 +382,38 @@ fn the_rank_is_what_symmetry_says() {
     assert_eq!([free(&all).0, free(&[&[LENGTH][..], &all].concat()).0], [1, 0]);
 }
 
+/// What the refusal asks for is what is missing, and it is enough.
+#[test]
+fn the_refusal_asks_for_what_is_missing() {
+    let needed = |parts: &[&str]| free(parts).1.split_once("needed ").map(|(_, needed)| needed.to_owned());
+    let said = |text: &str| Some(text.to_owned());
+    let (turn, shift) =
+        ("a [[plate.placement]] with turn_deg = 90", "a [[plate.placement]] with moved = [1, 0] or moved = [0, 1]");
+    let length = "[plate.length] between two of its holes";
+    assert_eq!(needed(&[LIES]), said(&format!("{turn}; and {shift}; and {length}")));
+    assert_eq!(needed(&[LENGTH, LIES, TURNED]), said(shift));
+    assert_eq!(needed(&[LENGTH, LIES, ALONG_X, ALONG_Y]), said(turn));
+    assert_eq!(needed(&[LIES, TURNED, ALONG_Y]), said(length));
+    // Where no scale is asked for, the machine gives the length.
+    let no_scale = "[solve]\nscale = false\n";
+    assert_eq!(needed(&[LIES, TURNED, no_scale]), said(shift));
+    assert_eq!(needed(&[LIES, TURNED, ALONG_X, no_scale]), None);
+    // Turned about its middle, a plate of 5 × 4 is half a pitch off its lines.
+    let odd = |parts: &[&str]| {
+        let text = format!("{}{}", PLATE.replace("rows = 5", "rows = 4"), parts.concat());
+        let (task, nominal) = (Task::read(&text, Path::new("task.toml")).unwrap(), perfect(&linear(1).machine));
+        let plan = Plan::new(&task, &nominal).unwrap();
+        foresee(&task, &nominal, &plan).map(|_| ()).map_err(|refused| refused.to_string())
+    };
+    let known = "[plate.length]\nfrom = [1, 1]\nto = [5, 4]\nmm = 350.0\nuncertainty_um = 1.0\n";
+    let refused = odd(&[known, LIES]).unwrap_err();
+    assert!(
+        refused.contains("turn_deg = 90 and moved = [0.5, 0.5]; and a [[plate.placement]] with moved"),
+        "{refused}"
+    );
+    assert_eq!(odd(&[known, LIES, &format!("{TURNED}moved = [0.5, 0.5]\n"), ALONG_X]), Ok(()));
+}
+
 /// Entered a few micrometres off the lines of the first placement, or higher, a plate is not moved.
 #[test]
 fn a_placement_off_its_lines_by_micrometres_is_not_moved() {
