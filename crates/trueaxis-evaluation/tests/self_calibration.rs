@@ -414,6 +414,23 @@ fn the_refusal_asks_for_what_is_missing() {
     assert_eq!(odd(&[known, LIES, &format!("{TURNED}moved = [0.5, 0.5]\n"), ALONG_X]), Ok(()));
 }
 
+/// A centre is the middle of two touches: either may be wrong.
+#[test]
+fn a_wrong_centre_names_both_of_its_touches() {
+    let (task, truth) = (whole(), linear(1).machine);
+    let nominal = perfect(&truth);
+    let plan = Plan::new(&task, &nominal).unwrap();
+    let mut draws = Draws::new(1, 0);
+    let real = Real::new(&task, &mut draws);
+    let mut trips = touched(&task, &truth, &plan, &real, (&mut draws, 1e-3));
+    // Of the four touches of the 15th hole, from +X on.
+    trips[58].position[0] += 0.2;
+    let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
+    let observed = observe(&task, &nominal, &plan, &positions).unwrap();
+    let refused = settle(&task, &plan, &trips, Path::new("probe.log"), observed).unwrap_err().to_string();
+    assert!(refused.contains("touch 57 or 59 on plate"), "{refused}");
+}
+
 /// Entered a few micrometres off the lines of the first placement, or higher, a plate is not moved.
 #[test]
 fn a_placement_off_its_lines_by_micrometres_is_not_moved() {
