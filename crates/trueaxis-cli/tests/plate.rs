@@ -27,9 +27,11 @@ fn the_sample_is_rehearsed_and_written() {
     let program = folder.good(&["calibrate", "plan", "task.toml"]);
     let pauses: Vec<&str> = program.lines().filter(|line| line.starts_with("(MSG,set up plate")).collect();
     assert_eq!(pauses.len(), 4, "{program}");
-    assert!(pauses[0].contains("hole 1-1 at X75 Y25"), "{pauses:?}");
+    assert!(pauses[0].contains("its marked face towards Z, its marked hole 1-1 at X75 Y25"), "{pauses:?}");
+    assert!(pauses[0].contains("hole 5-1 at X355 Y25"), "{pauses:?}");
     // Turned to the left about its middle, the first hole is at the lower right.
-    assert!(pauses[1].contains("turned by 90 degrees") && pauses[1].contains("hole 1-1 at X355 Y25"), "{pauses:?}");
+    assert!(pauses[1].contains("turned counter-clockwise by 90 degrees"), "{pauses:?}");
+    assert!(pauses[1].contains("hole 1-1 at X355 Y25") && pauses[1].contains("hole 5-1 at X355 Y305"), "{pauses:?}");
     assert!(pauses[2].contains("its middle at X285 Y165"), "{pauses:?}");
     folder.good(&["calibrate", "simulate", "task.toml", "--machine", "true", "-o", "probe.log"]);
     let found = folder.json(&["calibrate", "solve", "task.toml", "probe.log", "-o", "found", "--json"]);
@@ -145,5 +147,8 @@ fn bad_plates_are_refused_with_their_line() {
     refused(&ring, &["key artefact.kind", "only balls beside a plate of unknown places"]);
     let kind = changed("\"holes\"", "\"pins\"");
     refused(&kind, &[&at(&kind, "kind = \"pins\"", "plate.kind"), "balls"]);
+    let many = changed("columns = 5", "columns = 20").replace("rows = 5", "rows = 20");
+    let said = [&at(&many, name, "plate.placement")[..], "20 x 20 holes in 4 placements: 1600 centres", "at most 1000"];
+    refused(&many, &said);
     assert!(!folder.has("probe.ngc"));
 }

@@ -423,7 +423,7 @@ fn a_wrong_centre_names_both_of_its_touches() {
     let mut draws = Draws::new(1, 0);
     let real = Real::new(&task, &mut draws);
     let mut trips = touched(&task, &truth, &plan, &real, (&mut draws, 1e-3));
-    // Of the four touches of the 15th hole, from +X on.
+    // The third touch of the 15th hole, opposite the first.
     trips[58].position[0] += 0.2;
     let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
     let observed = observe(&task, &nominal, &plan, &positions).unwrap();

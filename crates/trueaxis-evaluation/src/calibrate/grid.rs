@@ -3,9 +3,9 @@
 //! The places, the plate's length and the machine's terms are all unknown. The same plate is measured in several placements:
 //!
 //! ```text
-//! as it lies, turned by 90°     squareness, the ratio of the scales, and all shapes of even degree
-//! as it lies, moved by a pitch  the shapes of the axis that it is moved along
-//! a known length                the scale
+//! in its first position, turned by 90°     squareness, the ratio of the scales, and all shapes of even degree
+//! in its first position, moved by a pitch  the shapes of the axis that it is moved along
+//! a known length                           the scale
 //! ```
 //!
 //! The directions and the length of the plate are those of two of its balls, A and B: their deviations are zero by definition,
@@ -25,6 +25,9 @@ use trueaxis_tables::{KeyValue, Section};
 const WALL_MM: f64 = 5.0;
 /// Share of the pitch within which two coordinates are one.
 const SAME: f64 = 1e-3;
+
+/// Most centres in all placements: a solution for as many takes some seconds.
+const MOST: usize = 1000;
 
 /// A plate of balls or holes of unknown places.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,12 +112,20 @@ impl Grid {
         directions(place).map(|direction| (0..3).map(|k| direction[k] * tip[k]).sum())
     }
 
-    /// Instruction for a placement: how the plate lies, and where its first ball is.
+    /// Instruction for a placement: how the plate lies, and where the ends of its first row are.
     pub(super) fn set_up_text(&self, name: &str, place: &Place) -> String {
-        let turned = if place.turn == 0 { String::new() } else { format!(", turned by {} degrees", 90 * place.turn) };
-        let [x, y, z] = self.centre(place, 0).map(printed);
+        let turned = match place.turn {
+            0 => String::new(),
+            turn => format!(", turned counter-clockwise by {} degrees", 90 * u16::from(turn)),
+        };
         let stylus = stylus(place).map_or(String::new(), |needs| format!(", {needs}"));
-        format!("plate {name}{turned}, facing {}{stylus}, {} 1-1 at X{x} Y{y} Z{z}", place.normal.letter(), self.word())
+        let (word, last) = (self.word(), self.columns - 1);
+        let at = |ball: usize| {
+            let [x, y, z] = self.centre(place, ball).map(printed);
+            format!("{word} {}-1 at X{x} Y{y} Z{z}", ball + 1)
+        };
+        let facing = place.normal.letter();
+        format!("plate {name}{turned}, its marked face towards {facing}{stylus}, its marked {}, {}", at(0), at(last))
     }
 
     /// Coordinates of the balls along an axis of the machine in all placements, rising; empty across the plate.
@@ -187,7 +198,12 @@ impl Grid {
         if placements.is_empty() {
             return Err(section.missing_here("placement", "sections [[plate.placement]]"));
         }
-        let line = section.first_line();
+        let (line, centres) = (section.first_line(), grid.count() * placements.len());
+        if centres > MOST {
+            let found =
+                format!("{columns} x {rows} {}s in {} placements: {centres} centres", grid.word(), placements.len());
+            return Err(section.at(line, "placement", &found, format!("at most {MOST} centres in all placements")));
+        }
         let mut places: Vec<Place> = Vec::new();
         for placement in placements {
             let place = grid.read_placement(placement, (at.value, line), &places)?;
