@@ -2,6 +2,7 @@
 
 use super::grid::stylus;
 use super::observed::{Observed, observe};
+use super::place::Place;
 use super::plan::Plan;
 use super::program::program;
 use super::solve::Calibration;
@@ -102,7 +103,9 @@ impl Planning {
 /// Placements of a plate for which a stylus along Z would run into it.
 fn upright(task: &Task) -> impl Iterator<Item = String> {
     task.plate().into_iter().flat_map(|plate| {
-        let needs = |(index, place)| Some(format!("{}, place {}, {}", plate.name, index + 1, stylus(place)?));
+        let needs = move |(index, place): (usize, &Place)| {
+            Some(format!("{}, place {}, {}", plate.name, index + 1, stylus(place)?))
+        };
         plate.places.iter().enumerate().filter_map(needs)
     })
 }

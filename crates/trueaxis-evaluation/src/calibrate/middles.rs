@@ -8,7 +8,7 @@ type Middles = (Vec<Touch>, Vec<usize>, Vec<Option<usize>>);
 
 /// Replaces two touches on opposite sides of a ball or a hole by their middle, which belongs to the first of them.
 pub(super) fn middles(plan: &Plan, touches: Vec<Touch>) -> Middles {
-    let (mut all, mut of, mut opposites) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut all, mut of, mut opposites): Middles = (Vec::new(), Vec::new(), Vec::new());
     // Index in `all` of touches that still lack their opposite.
     let mut waiting: Vec<usize> = Vec::new();
     for (index, touch) in touches.into_iter().enumerate() {
