@@ -45,7 +45,9 @@ pub(super) fn words(plate: &Artefact, grid: &Grid, observed: &Observed, free: &C
             "a [[plate.placement]] with moved = [1, 0] or moved = [0, 1]".into(),
         );
     }
-    if observed.lengths.iter().flatten().any(|length| seen(*length)) {
+    // A shape that moves the two ends changes the length, too, but only the scale needs it known.
+    let scaled = is_free(|term| matches!(term, Term::Curve { degree: 1, .. }));
+    if scaled && grid.length_mm.is_none() && observed.lengths.iter().flatten().any(|length| seen(*length)) {
         let balls = if grid.holes { "holes" } else { "balls" };
         lacks("without a known length one scale stays free", format!("[plate.length] between two of its {balls}"));
     }
