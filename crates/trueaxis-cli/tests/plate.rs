@@ -27,9 +27,11 @@ fn the_sample_is_rehearsed_and_written() {
     let program = folder.good(&["calibrate", "plan", "task.toml"]);
     let pauses: Vec<&str> = program.lines().filter(|line| line.starts_with("(MSG,set up plate")).collect();
     assert_eq!(pauses.len(), 4, "{program}");
-    assert!(pauses[0].contains("hole 1-1 at X75 Y25"), "{pauses:?}");
+    assert!(pauses[0].contains("its marked face towards Z, its marked hole 1-1 at X75 Y25"), "{pauses:?}");
+    assert!(pauses[0].contains("hole 5-1 at X355 Y25"), "{pauses:?}");
     // Turned to the left about its middle, the first hole is at the lower right.
-    assert!(pauses[1].contains("turned by 90 degrees") && pauses[1].contains("hole 1-1 at X355 Y25"), "{pauses:?}");
+    assert!(pauses[1].contains("turned counter-clockwise by 90 degrees"), "{pauses:?}");
+    assert!(pauses[1].contains("hole 1-1 at X355 Y25") && pauses[1].contains("hole 5-1 at X355 Y305"), "{pauses:?}");
     assert!(pauses[2].contains("its middle at X285 Y165"), "{pauses:?}");
     folder.good(&["calibrate", "simulate", "task.toml", "--machine", "true", "-o", "probe.log"]);
     let found = folder.json(&["calibrate", "solve", "task.toml", "probe.log", "-o", "found", "--json"]);
@@ -59,6 +61,24 @@ fn the_sample_is_rehearsed_and_written() {
 }
 
 #[test]
+fn an_upright_plate_names_its_stylus() {
+    let flat = PLATE.replace("pitch_mm = 70.0", "pitch_mm = 50.0").replace("395.98", "282.84");
+    let upright = ["", "turn_deg = 90\n", "moved = [0, 1]\n"]
+        .map(|how| format!("[[plate.placement]]\nnormal = \"Y\"\nat_mm = [215.0, 200.0, -150.0]\n{how}"));
+    let folder = folder(&(flat + &upright.concat()));
+    let program = folder.good(&["calibrate", "plan", "task.toml"]);
+    let pauses: Vec<&str> = program.lines().filter(|line| line.starts_with("(MSG,set up plate")).collect();
+    let needs = |text: &str| text.contains("needs a stylus that points along Y");
+    assert_eq!(
+        pauses.iter().map(|pause| needs(pause)).collect::<Vec<_>>(),
+        [false, false, false, false, true, true, true]
+    );
+    let found = folder.json(&["calibrate", "plan", "task.toml", "-o", "probe.ngc", "--json"]);
+    let warnings = found["warnings"].as_array().unwrap();
+    assert!(warnings.len() == 3 && warnings.iter().all(|of| needs(of.as_str().unwrap())), "{warnings:?}");
+}
+
+#[test]
 fn bad_plates_are_refused_with_their_line() {
     let folder = folder(PLATE);
     let refused = |task: &str, parts: &[&str]| {
@@ -78,15 +98,15 @@ fn bad_plates_are_refused_with_their_line() {
         "EYY",
         "without the turned placement squareness and the ratio of the scales cannot be told from the plate's own skew",
         "without a moved placement",
-        "needed a [[plate.placement]] with turn_deg = 90, a [[plate.placement]] with moved = [1, 0]",
+        "needed a [[plate.placement]] with turn_deg = 90; and a [[plate.placement]] with moved = [1, 0] or moved = [0, 1]\n",
     ];
     refused(once, &said);
     let (before, after) = (PLATE.find("[plate.length]").unwrap(), PLATE.find("[[plate.placement]]").unwrap());
     let loose = format!("{}{}", &PLATE[..before], &PLATE[after..]);
     let said = [
         &at(&loose, name, "plate.placement")[..],
-        "scale of X, scale of Y: without a known length one scale stays free",
-        "needed [plate.length]",
+        "these stay free: scale of X, scale of Y; without a known length one scale stays free",
+        "needed [plate.length] between two of its holes\n",
     ];
     refused(&loose, &said);
     let changed = |from: &str, to: &str| {
@@ -101,12 +121,21 @@ fn bad_plates_are_refused_with_their_line() {
     refused(&odd, &[&[&at(&odd, "turn_deg = 90", "")[..12]][..], &said].concat());
     let oblique = changed("turn_deg = 90", "turn_deg = 45");
     refused(&oblique, &[&at(&oblique, "turn_deg = 45", "plate.placement.turn_deg"), "0, 90, 180 or 270"]);
-    let long = changed("mm = 395.98", "mm = 280.0");
-    refused(&long, &[&at(&long, "mm = 280", "plate.length.mm"), "392.02"]);
+    // Two digits exchanged: 2,300 ppm of scale.
+    let long = changed("mm = 395.98", "mm = 395.08");
+    let said = [&at(&long, "mm = 395.08", "plate.length.mm")[..], "395.08", "395.980 mm, by its pitch, within 600 um"];
+    refused(&long, &said);
     let beside = changed("to = [5, 5]", "to = [6, 5]");
     refused(&beside, &[&at(&beside, "to = [6", "plate.length.to"), "column 1 to 5 and row 1 to 5"]);
     let narrow = changed("diameter_mm = 20.0", "diameter_mm = 8.0");
     refused(&narrow, &[&at(&narrow, name, "plate.diameter_mm"), "too little room in a hole", "approach_mm (3)"]);
+    let short = changed("repeats = 1", "repeats = 1\novertravel_mm = 1.4");
+    refused(&short, &[&at(&short, name, "probe.overtravel_mm"), "1.4 mm", "at least 1.5 mm"]);
+    // 1.5 mm beside the middle of a ball, of 3.5 + 2 mm.
+    let small = changed("\"holes\"", "\"balls\"").replace("diameter_mm = 20.0", "diameter_mm = 7.0");
+    refused(&small, &[&at(&small, name, "plate.diameter_mm"), "1.5 mm", "at most 1.375 mm", "approach_mm"]);
+    let low = changed("repeats = 1", "repeats = 1\nsafe_z_mm = -170.0");
+    refused(&low, &["task.toml:", "at Z -1", "above safe_z_mm (-170)", "safe_z_mm of at least -1"]);
     let alone =
         format!("{}{}", &PLATE[..PLATE.find("[reference]").unwrap()], &PLATE[PLATE.find("[[plate]]").unwrap()..]);
     let lost = format!("{alone}[solve]\nbacklash = true\n");
@@ -118,5 +147,8 @@ fn bad_plates_are_refused_with_their_line() {
     refused(&ring, &["key artefact.kind", "only balls beside a plate of unknown places"]);
     let kind = changed("\"holes\"", "\"pins\"");
     refused(&kind, &[&at(&kind, "kind = \"pins\"", "plate.kind"), "balls"]);
+    let many = changed("columns = 5", "columns = 20").replace("rows = 5", "rows = 20");
+    let said = [&at(&many, name, "plate.placement")[..], "20 x 20 holes in 4 placements: 1600 centres", "at most 1000"];
+    refused(&many, &said);
     assert!(!folder.has("probe.ngc"));
 }

@@ -382,6 +382,86 @@ fn the_rank_is_what_symmetry_says() {
     assert_eq!([free(&all).0, free(&[&[LENGTH][..], &all].concat()).0], [1, 0]);
 }
 
+/// What the refusal asks for is what is missing, and it is enough.
+#[test]
+fn the_refusal_asks_for_what_is_missing() {
+    let needed = |parts: &[&str]| free(parts).1.split_once("needed ").map(|(_, needed)| needed.to_owned());
+    let said = |text: &str| Some(text.to_owned());
+    let (turn, shift) =
+        ("a [[plate.placement]] with turn_deg = 90", "a [[plate.placement]] with moved = [1, 0] or moved = [0, 1]");
+    let length = "[plate.length] between two of its holes";
+    assert_eq!(needed(&[LIES]), said(&format!("{turn}; and {shift}; and {length}")));
+    assert_eq!(needed(&[LENGTH, LIES, TURNED]), said(shift));
+    assert_eq!(needed(&[LENGTH, LIES, ALONG_X, ALONG_Y]), said(turn));
+    assert_eq!(needed(&[LIES, TURNED, ALONG_Y]), said(length));
+    // Where no scale is asked for, the machine gives the length.
+    let no_scale = "[solve]\nscale = false\n";
+    assert_eq!(needed(&[LIES, TURNED, no_scale]), said(shift));
+    assert_eq!(needed(&[LIES, TURNED, ALONG_X, no_scale]), None);
+    // Turned about its middle, a plate of 5 × 4 is half a pitch off its lines.
+    let odd = |parts: &[&str]| {
+        let text = format!("{}{}", PLATE.replace("rows = 5", "rows = 4"), parts.concat());
+        let (task, nominal) = (Task::read(&text, Path::new("task.toml")).unwrap(), perfect(&linear(1).machine));
+        let plan = Plan::new(&task, &nominal).unwrap();
+        foresee(&task, &nominal, &plan).map(|_| ()).map_err(|refused| refused.to_string())
+    };
+    let known = "[plate.length]\nfrom = [1, 1]\nto = [5, 4]\nmm = 350.0\nuncertainty_um = 1.0\n";
+    let refused = odd(&[known, LIES]).unwrap_err();
+    assert!(
+        refused.contains("turn_deg = 90 and moved = [0.5, 0.5]; and a [[plate.placement]] with moved"),
+        "{refused}"
+    );
+    assert_eq!(odd(&[known, LIES, &format!("{TURNED}moved = [0.5, 0.5]\n"), ALONG_X]), Ok(()));
+}
+
+/// A centre is the middle of two touches: either may be wrong.
+#[test]
+fn a_wrong_centre_names_both_of_its_touches() {
+    let (task, truth) = (whole(), linear(1).machine);
+    let nominal = perfect(&truth);
+    let plan = Plan::new(&task, &nominal).unwrap();
+    let mut draws = Draws::new(1, 0);
+    let real = Real::new(&task, &mut draws);
+    let mut trips = touched(&task, &truth, &plan, &real, (&mut draws, 1e-3));
+    // The third touch of the 15th hole, opposite the first.
+    trips[58].position[0] += 0.2;
+    let positions: Vec<[f64; AXES]> = trips.iter().map(|trip| trip.position).collect();
+    let observed = observe(&task, &nominal, &plan, &positions).unwrap();
+    let refused = settle(&task, &plan, &trips, Path::new("probe.log"), observed).unwrap_err().to_string();
+    assert!(refused.contains("touch 57 or 59 on plate"), "{refused}");
+}
+
+/// Entered a few micrometres off the lines of the first placement, or higher, a plate is not moved.
+#[test]
+fn a_placement_off_its_lines_by_micrometres_is_not_moved() {
+    let off = TURNED.to_owned() + "at_mm = [215.05, 164.95, -200.0]\n";
+    let exact = free(&[LENGTH, LIES, TURNED]);
+    assert_eq!((free(&[LENGTH, LIES, &off]), exact.0), (exact.clone(), 2));
+    let again = LIES.to_owned() + "at_mm = [215.03, 165.0, -200.0]\n";
+    let higher = LIES.to_owned() + "at_mm = [215.0, 165.0, -199.0]\n";
+    for same in [again, higher] {
+        let (count, text) = free(&[LENGTH, LIES, TURNED, &same]);
+        assert!(count == 2 && text.contains("without a moved placement"), "{count}: {text}");
+    }
+}
+
+/// Nothing goes lower than the stated height, where the bottom of a hole or the plate is near.
+#[test]
+fn the_tip_stays_above_the_height_of_the_touches() {
+    for (kind, normal, axis, height) in
+        [("holes", "Z", 2, -200.0), ("balls", "Z", 2, -200.0), ("balls", "Y", 1, 165.0), ("holes", "X", 0, 215.0)]
+    {
+        let text = PLATE.replace("\"holes\"", &format!("\"{kind}\"")).replace("= 5\n", "= 3\n").replace("70.0", "50.0");
+        let text = format!("{text}[[plate.placement]]\nnormal = \"{normal}\"\n");
+        let task = Task::read(&text, Path::new("task.toml")).unwrap_or_else(|e| panic!("{e}"));
+        let plan = Plan::new(&task, &perfect(&linear(1).machine)).unwrap_or_else(|e| panic!("{e}"));
+        for touch in &plan.touches {
+            let lowest = touch.start[axis].min(touch.end[axis]).min(touch.take_up[axis]);
+            assert!(lowest == height && touch.take_up[axis] > height, "{kind}, {normal}: {touch:?}");
+        }
+    }
+}
+
 /// Balls on a plate upright in X and Z, turned onto its other edge and moved, through program, probing and log.
 #[test]
 fn a_plate_on_edge_gives_the_terms_of_z() {

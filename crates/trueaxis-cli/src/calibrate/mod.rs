@@ -63,7 +63,7 @@ TASK.toml names the machine's folder, the control, the probe, and artefacts with
   diameter_mm = 150.002
   uncertainty_um = 0.5
   [[artefact.place]]
-  at_mm = [120.0, 90.0, -200.0]     # of the machine, the tip in its middle
+  at_mm = [120.0, 90.0, -200.0]     # of the machine, the tip in its middle, at the depth of the touches
   normal = \"Z\"                      # its orientation
   [reference]
   artefact = \"ball\"                 # touched again and again against drift
@@ -85,13 +85,13 @@ if one distance on it is known:
   columns = 5
   rows = 5
   pitch_mm = 70.0
-  at_mm = [215.0, 165.0, -200.0]    # of the machine, the tip in its middle
+  at_mm = [215.0, 165.0, -200.0]    # of the machine, the tip in its middle, at the depth of the touches
   [plate.length]                    # of the centres of two of them
   from = [1, 1]                     # column and row
   to = [5, 5]
   mm = 395.98
   uncertainty_um = 2.0
-  [[plate.placement]]               # as it lies
+  [[plate.placement]]               # its first position
   turn_deg = 0
   [[plate.placement]]
   turn_deg = 90

@@ -193,7 +193,7 @@ pub(super) fn read_dial(section: Section<'_>) -> Result<Artefact, FileError> {
 pub(super) fn read_plate(section: Section<'_>) -> Result<Artefact, FileError> {
     let line = section.first_line();
     let (name, tolerance_mm) = grid::named(&section)?;
-    let (grid, places) = Grid::read(&section)?;
+    let (grid, places) = Grid::read(&section, tolerance_mm)?;
     let name = name.value.to_owned();
     section.finish(None)?;
     Ok(Artefact {

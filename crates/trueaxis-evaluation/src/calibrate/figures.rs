@@ -39,13 +39,14 @@ pub fn residuals(task: &Task, plan: &Plan, calibration: &Calibration) -> Figure 
     let Residuals { residual_um, sigma_um: sigma, visits } = Residuals::of(task, plan, calibration);
     let left: Vec<[f64; 2]> = (1..).zip(residual_um).map(|(id, residual)| [f64::from(id), residual]).collect();
     let y = Scale::linear("residual in µm", left.iter().map(|point| point[1]).chain([0.0])).margin(0.08);
-    let word = task.word();
+    let word = if task.plate().is_some() { "centre" } else { task.word() };
     let x = Scale::linear(word, [1.0, left.len() as f64]);
     let mut figure = Figure::full(&format!("Residual of every {word}"), 300, x, y);
     figure.across(2.0 * sigma, colour::LIMIT).across(-2.0 * sigma, colour::LIMIT);
     let stroke = Stroke::new(colour::COMPENSATED, 1.0);
     figure.line(left.iter().copied(), stroke.opacity(0.5)).dots(left.iter().copied(), colour::COMPENSATED);
-    figure.key(format!("residual of a {word}, positive outside the surface"), stroke);
+    let sense = if task.plate().is_some() { "along its axis" } else { "positive outside the surface" };
+    figure.key(format!("residual of a {word}, {sense}"), stroke);
     figure.key(format!("two standard deviations of a {word}"), Stroke::new(colour::LIMIT, 1.2).dashed());
     figure.labels_above(visits.into_iter().map(|(first, name)| (first as f64, name)));
     figure.caption(format!(

@@ -1,6 +1,8 @@
 //! Plans a task with its expected standard errors, before anything is measured.
 
+use super::grid::stylus;
 use super::observed::{Observed, observe};
+use super::place::Place;
 use super::plan::Plan;
 use super::program::program;
 use super::solve::Calibration;
@@ -82,7 +84,8 @@ impl Planning {
             standard_error: 1e6 * solution.standard_errors[index],
             unit: "µrad",
         });
-        let drift = "no [reference]: a drift while probing would be in the results";
+        let drift = (task.reference.is_none() && !task.is_read())
+            .then(|| "no [reference]: a drift while probing would be in the results".to_owned());
         let foreseen = Foreseen {
             machine: machine.settings.name.to_string(),
             program: plan.number(),
@@ -91,10 +94,20 @@ impl Planning {
             terms: terms.chain(tilts).collect(),
             rank: solution.rank,
             condition: solution.condition,
-            warnings: (task.reference.is_none() && !task.is_read()).then(|| drift.into()).into_iter().collect(),
+            warnings: drift.into_iter().chain(upright(task)).collect(),
         };
         Ok(Planning { program: program(task, machine, &plan), plan, foreseen })
     }
+}
+
+/// Placements of a plate for which a stylus along Z would run into it.
+fn upright(task: &Task) -> impl Iterator<Item = String> {
+    task.plate().into_iter().flat_map(|plate| {
+        let needs = move |(index, place): (usize, &Place)| {
+            Some(format!("{}, place {}, {}", plate.name, index + 1, stylus(place)?))
+        };
+        plate.places.iter().enumerate().filter_map(needs)
+    })
 }
 
 /// Checks before measuring whether the places of a task separate its unknowns, and computes the standard errors from the

@@ -3,9 +3,9 @@
 //! The places, the plate's length and the machine's terms are all unknown. The same plate is measured in several placements:
 //!
 //! ```text
-//! as it lies, turned by 90°     squareness, the ratio of the scales, and all shapes of even degree
-//! as it lies, moved by a pitch  the shapes of the axis that it is moved along
-//! a known length                the scale
+//! in its first position, turned by 90°     squareness, the ratio of the scales, and all shapes of even degree
+//! in its first position, moved by a pitch  the shapes of the axis that it is moved along
+//! a known length                           the scale
 //! ```
 //!
 //! The directions and the length of the plate are those of two of its balls, A and B: their deviations are zero by definition,
@@ -25,6 +25,9 @@ use trueaxis_tables::{KeyValue, Section};
 const WALL_MM: f64 = 5.0;
 /// Share of the pitch within which two coordinates are one.
 const SAME: f64 = 1e-3;
+
+/// Most centres in all placements: a solution for as many takes some seconds.
+const MOST: usize = 1000;
 
 /// A plate of balls or holes of unknown places.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,11 +112,20 @@ impl Grid {
         directions(place).map(|direction| (0..3).map(|k| direction[k] * tip[k]).sum())
     }
 
-    /// Instruction for a placement: how the plate lies, and where its first ball is.
+    /// Instruction for a placement: how the plate lies, and where the ends of its first row are.
     pub(super) fn set_up_text(&self, name: &str, place: &Place) -> String {
-        let turned = if place.turn == 0 { String::new() } else { format!(", turned by {} degrees", 90 * place.turn) };
-        let [x, y, z] = self.centre(place, 0).map(printed);
-        format!("plate {name}{turned}, facing {}, {} 1-1 at X{x} Y{y} Z{z}", place.normal.letter(), self.word())
+        let turned = match place.turn {
+            0 => String::new(),
+            turn => format!(", turned counter-clockwise by {} degrees", 90 * u16::from(turn)),
+        };
+        let stylus = stylus(place).map_or(String::new(), |needs| format!(", {needs}"));
+        let (word, last) = (self.word(), self.columns - 1);
+        let at = |ball: usize| {
+            let [x, y, z] = self.centre(place, ball).map(printed);
+            format!("{word} {}-1 at X{x} Y{y} Z{z}", ball + 1)
+        };
+        let facing = place.normal.letter();
+        format!("plate {name}{turned}, its marked face towards {facing}{stylus}, its marked {}, {}", at(0), at(last))
     }
 
     /// Coordinates of the balls along an axis of the machine in all placements, rising; empty across the plate.
@@ -125,6 +137,12 @@ impl Grid {
         all.dedup_by(|one, other| (*one - *other).abs() < SAME * self.pitch_mm);
         all
     }
+}
+
+/// What an upright plate needs: the probe comes from its side.
+pub(super) fn stylus(place: &Place) -> Option<String> {
+    let along = place.normal.index() % 3 != 2;
+    along.then(|| format!("needs a stylus that points along {}, towards the plate", place.normal.letter()))
 }
 
 /// Rounds as a program prints it.
@@ -151,7 +169,7 @@ pub(super) fn directions(place: &Place) -> [[f64; 3]; 2] {
 
 impl Grid {
     /// Reads a plate and its placements.
-    pub(super) fn read(section: &Section<'_>) -> Result<(Grid, Vec<Place>), FileError> {
+    pub(super) fn read(section: &Section<'_>, tolerance_mm: f64) -> Result<(Grid, Vec<Place>), FileError> {
         let kind = section.choice("kind", [("balls", false), ("holes", true)])?;
         let holes = kind.ok_or_else(|| section.missing_here("kind", "\"balls\" or \"holes\""))?;
         let many = |key: &str, what: &str| whole(section, key, [2, 20])?.ok_or_else(|| section.missing_here(key, what));
@@ -162,17 +180,30 @@ impl Grid {
         let wall = if holes { WALL_MM } else { 0.0 };
         let least = diameter_mm + wall;
         let pitch_mm = needed(section, "pitch_mm", [least, 1000.0], " mm", "the distance of neighbours, mm")?;
+        // Its half, too, is whole steps of what a program prints: all lines are equally far apart.
+        let pitch_mm = 2.0 * printed(0.5 * pitch_mm);
         let mut grid = Grid { holes, diameter_mm, columns, rows, pitch_mm, ends: [0, columns - 1], length_mm: None };
         if let Some(length) = section.section("length")? {
-            grid.read_length(length)?;
+            grid.read_length(length, tolerance_mm)?;
         }
         let at = section.numbers::<3>("at_mm")?;
-        let at = at.ok_or_else(|| section.missing_here("at_mm", "X, Y, Z of the machine at the plate's middle"))?;
+        let height = if holes {
+            "in the holes at the depth at which they are touched"
+        } else {
+            "at the height of the balls' centres"
+        };
+        let middle = || format!("X, Y, Z of the machine with the tip at the plate's middle, {height}");
+        let at = at.ok_or_else(|| section.missing_here("at_mm", &middle()))?;
         let placements = section.sections("placement")?;
         if placements.is_empty() {
             return Err(section.missing_here("placement", "sections [[plate.placement]]"));
         }
-        let line = section.first_line();
+        let (line, centres) = (section.first_line(), grid.count() * placements.len());
+        if centres > MOST {
+            let found =
+                format!("{columns} x {rows} {}s in {} placements: {centres} centres", grid.word(), placements.len());
+            return Err(section.at(line, "placement", &found, format!("at most {MOST} centres in all placements")));
+        }
         let mut places: Vec<Place> = Vec::new();
         for placement in placements {
             let place = grid.read_placement(placement, (at.value, line), &places)?;
@@ -181,7 +212,8 @@ impl Grid {
         Ok((grid, places))
     }
 
-    fn read_length(&mut self, section: Section<'_>) -> Result<(), FileError> {
+    /// Reads the known length: as far off its pitch as both of its ends may be.
+    fn read_length(&mut self, section: Section<'_>, tolerance_mm: f64) -> Result<(), FileError> {
         let end = |key: &str| {
             let found =
                 section.numbers::<2>(key)?.ok_or_else(|| section.missing_here(key, "column and row, from 1"))?;
@@ -198,9 +230,13 @@ impl Grid {
             return Err(section.wrong(&found, "another one than from"));
         }
         self.ends = [from, to];
-        let nominal = self.nominal_mm();
-        let about = [0.99, 1.01].map(|share| (100.0 * share * nominal).round() / 100.0);
-        let mm = needed(&section, "mm", about, " mm, by its pitch", "the distance of the two centres, mm")?;
+        let found = section.number("mm")?;
+        let found = found.ok_or_else(|| section.missing_here("mm", "the distance of the two centres, mm"))?;
+        let (mm, nominal, most) = (found.value, self.nominal_mm(), 2.0 * tolerance_mm);
+        if (mm - nominal).abs() > most || mm.is_nan() || mm <= 0.0 {
+            let needed = format!("{nominal:.3} mm, by its pitch, within {:.0} um (twice tolerance_um)", 1e3 * most);
+            return Err(section.wrong(&found, needed));
+        }
         let what = "the standard uncertainty of that distance, um";
         let uncertainty = 1e-3 * needed(&section, "uncertainty_um", [0.001, 1e4], " um", what)?;
         self.length_mm = Some([mm, uncertainty]);
@@ -254,7 +290,25 @@ impl Grid {
             return Err(section.at(line, if moved.is_some() { "moved" } else { "turn_deg" }, &found, needed));
         }
         section.finish(None)?;
+        self.snap(&mut place, before);
         Ok(place)
+    }
+
+    /// Puts a placement onto the lines of those before it, from which it is off by less than they are told apart: a few
+    /// micrometres off them, an unmoved plate would look moved.
+    fn snap(&self, place: &mut Place, before: &[Place]) {
+        for axis in (0..3).filter(|axis| *axis != place.normal.index() % 3) {
+            let Some(line) = self.lines(before, axis).first().copied() else { continue };
+            let first = self.centre(place, 0)[axis];
+            let steps = ((first - line) / self.pitch_mm).round();
+            place.at_mm[axis] = printed(place.at_mm[axis] + line + steps * self.pitch_mm - first);
+        }
+    }
+
+    /// Whether two placements in the same plane lie apart in it.
+    pub(super) fn apart(&self, one: &Place, other: &Place) -> bool {
+        let axes = (0..3).filter(|axis| *axis != one.normal.index() % 3);
+        axes.map(|axis| one.at_mm[axis] - other.at_mm[axis]).any(|by| by.abs() > SAME * self.pitch_mm)
     }
 
     /// Axis and pitches by which a placement is off the lines of those before it.

@@ -3,10 +3,12 @@
 use super::plan::{Plan, Planned};
 use trueaxis_metrology::calibration::{Surface, Touch};
 
-/// Replaces two touches on opposite sides of a ball or a hole by their middle; the touch of the plan that each of the network
-/// belongs to, the first of two.
-pub(super) fn middles(plan: &Plan, touches: Vec<Touch>) -> (Vec<Touch>, Vec<usize>) {
-    let (mut all, mut of): (Vec<Touch>, Vec<usize>) = (Vec::new(), Vec::new());
+/// The touches of a network, the touch of the plan that each belongs to, and its opposite.
+type Middles = (Vec<Touch>, Vec<usize>, Vec<Option<usize>>);
+
+/// Replaces two touches on opposite sides of a ball or a hole by their middle, which belongs to the first of them.
+pub(super) fn middles(plan: &Plan, touches: Vec<Touch>) -> Middles {
+    let (mut all, mut of, mut opposites): Middles = (Vec::new(), Vec::new(), Vec::new());
     // Index in `all` of touches that still lack their opposite.
     let mut waiting: Vec<usize> = Vec::new();
     for (index, touch) in touches.into_iter().enumerate() {
@@ -15,14 +17,16 @@ pub(super) fn middles(plan: &Plan, touches: Vec<Touch>) -> (Vec<Touch>, Vec<usiz
             if let Some(at) = waiting.iter().position(opposite) {
                 let first = waiting.remove(at);
                 merge(&mut all[first], touch);
+                opposites[first] = Some(index);
                 continue;
             }
             waiting.push(all.len());
         }
         all.push(touch);
         of.push(index);
+        opposites.push(None);
     }
-    (all, of)
+    (all, of, opposites)
 }
 
 /// Direction of a probing move.

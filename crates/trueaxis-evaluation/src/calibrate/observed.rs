@@ -27,6 +27,8 @@ pub struct Observed {
     pub network: Network,
     /// The touch of the plan that each of the network belongs to: a plate's centre is that of two, the first of them.
     pub planned: Vec<usize>,
+    /// The second touch of each centre.
+    pub opposites: Vec<Option<usize>>,
     /// Name of every unknown.
     pub names: Vec<String>,
     /// The machine's terms.
@@ -60,6 +62,15 @@ impl Observed {
 }
 
 impl Observed {
+    /// Numbers of the touches of the plan that a touch of the network belongs to, from 1.
+    pub(super) fn numbers(&self, touch: usize) -> String {
+        let number = self.planned.get(touch).copied().unwrap_or(touch) + 1;
+        match self.opposites.get(touch).copied().flatten() {
+            Some(opposite) => format!("{number} or {}", opposite + 1),
+            None => number.to_string(),
+        }
+    }
+
     /// Indices of the tilts of the spindle, rad.
     pub fn tilts(&self) -> impl Iterator<Item = usize> + use<> {
         self.spindle.into_iter().flat_map(|first| [first, first + 1])
@@ -146,7 +157,7 @@ pub fn observe_terms(
         response,
         drift: between(&knots, touch.time_s),
     });
-    let (touches, planned) = middles(plan, touches.collect());
+    let (touches, planned, opposites) = middles(plan, touches.collect());
     let network = Network {
         touches,
         terms: terms.terms.len(),
@@ -158,6 +169,7 @@ pub fn observe_terms(
     Ok(Observed {
         network,
         planned,
+        opposites,
         names: names.names,
         terms,
         sizes,

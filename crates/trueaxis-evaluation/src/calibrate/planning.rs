@@ -6,7 +6,7 @@ use super::faces;
 use super::kinematics::Ideal;
 use super::place::Place;
 use super::plan::{Plan, Planned, Step, Visit};
-use super::reach::{check_steps, check_travel, check_ways};
+use super::reach::{check_safe_z, check_steps, check_travel, check_ways, key_of};
 use super::sheet;
 use super::target::Target;
 use super::task::Task;
@@ -131,6 +131,8 @@ impl Way<'_> {
     /// Adds all touches of a place, with visits to the reference before, between and after.
     fn set_up(&mut self, artefact: usize, place: usize, set_up: usize) -> Result<()> {
         let targets = of_place(self.task, self.ideal, artefact, place, false)?;
+        let of = &self.task.artefacts[artefact];
+        check_safe_z(self.task, &of.places[place], key_of(of), self.safe_z, &targets)?;
         let Some(reference) = self.task.reference.as_ref() else {
             return self.visit(artefact, place, set_up, false, &targets);
         };

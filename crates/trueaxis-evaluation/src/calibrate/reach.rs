@@ -3,12 +3,17 @@
 use super::artefact::{Artefact, Kind};
 use super::faces;
 use super::grid::Grid;
+use super::place::Place;
 use super::plan::{Plan, Step};
+use super::target::Target;
 use super::task::Task;
 use anyhow::Result;
 use trueaxis::machine::{AXES, Axis, AxisSettings};
 use trueaxis_tables::Machine;
 use trueaxis_tables::error::FileError;
+
+/// Largest distance from a ball's middle at which it is touched, over the radii of ball and tip.
+const MOST_BESIDE: f64 = 0.25;
 
 fn at_line(task: &Task, line: u32, key: &str, found: String, needed: String) -> anyhow::Error {
     let column = (!key.is_empty()).then(|| key.to_owned());
@@ -43,10 +48,22 @@ pub(super) fn check_steps(task: &Task) -> Result<()> {
     Ok(())
 }
 
-/// Checks that the tip has room before its touches in a hole, or between neighbouring balls, with the plate off its place.
+/// Checks that the tip has room before its touches in a hole, or between neighbouring balls, with the plate off its place, and
+/// that it meets the ball or the hole there.
 fn check_room(task: &Task, artefact: &Artefact, grid: &Grid) -> Result<()> {
     let probe = &task.probe;
     let (radius, off) = (0.5 * grid.diameter_mm, faces::off_place(probe));
+    let where_ = format!("with the plate up to {off} mm (half of approach_mm) off its place");
+    if probe.overtravel_mm < off {
+        let needed = format!("at least {off} mm: it touches {where_}");
+        return Err(at_line(task, artefact.line, "probe.overtravel_mm", format!("{} mm", probe.overtravel_mm), needed));
+    }
+    let most = MOST_BESIDE * (radius + probe.tip_radius_mm);
+    if !grid.holes && off > most {
+        let found = format!("a ball touched up to {off} mm (half of approach_mm) beside its middle");
+        let needed = format!("at most {most} mm, a quarter of the radii of ball and tip: a smaller approach_mm");
+        return Err(at_line(task, artefact.line, "plate.diameter_mm", found, needed));
+    }
     let (room, word) = if grid.holes {
         // The tip arrives at the start of a touch from one side, by the way that takes up lost motion.
         let reach = radius - probe.tip_radius_mm;
@@ -58,11 +75,18 @@ fn check_room(task: &Task, artefact: &Artefact, grid: &Grid) -> Result<()> {
         return Ok(());
     }
     let found = format!("{:.1} mm too little room {word} for a tip of {} mm radius", -room, probe.tip_radius_mm);
-    let needed = format!(
-        "room for approach_mm ({}) and take_up_mm ({}) with the plate up to {off} mm (half of approach_mm) off its place",
-        probe.approach_mm, probe.take_up_mm
-    );
+    let needed = format!("room for approach_mm ({}) and take_up_mm ({}) {where_}", probe.approach_mm, probe.take_up_mm);
     Err(at_line(task, artefact.line, "plate.diameter_mm", found, needed))
+}
+
+/// Checks that the probe travels between places no lower than it enters and leaves them.
+pub(super) fn check_safe_z(task: &Task, place: &Place, key: &str, safe_z: f64, targets: &[Target]) -> Result<()> {
+    let highest = targets.iter().map(|target| target.entry[2]).fold(f64::NEG_INFINITY, f64::max);
+    if safe_z >= highest {
+        return Ok(());
+    }
+    let found = format!("a way into and out of it at Z {highest:.3}, above safe_z_mm ({safe_z})");
+    Err(at_line(task, place.line, key, found, format!("safe_z_mm of at least {highest:.3}, or a lower place")))
 }
 
 /// Found and needed, if a position is outside an axis' travel.
@@ -74,7 +98,7 @@ pub(super) fn beyond(own: &AxisSettings, q: f64) -> Option<(String, String)> {
 }
 
 /// Key of an artefact's places in a task.
-fn key_of(artefact: &Artefact) -> &'static str {
+pub(super) fn key_of(artefact: &Artefact) -> &'static str {
     if artefact.grid().is_some() { "plate.placement" } else { "artefact.place" }
 }
 

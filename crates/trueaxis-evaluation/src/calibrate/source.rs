@@ -75,8 +75,9 @@ impl Source<'_> {
                 FileError { file, line, column: None, found, needed: needed.into() }.into()
             }
             CalibrationRefusal::Unsettled { touch, residual_mm } => {
-                let (word, touch) = (self.task.word(), observed.planned.get(touch).copied().unwrap_or(touch));
-                let found = format!("{word} {} {residual_mm:.3} mm off {}", touch + 1, self.name(touch));
+                let (word, numbers) = (self.task.word(), observed.numbers(touch));
+                let touch = observed.planned.get(touch).copied().unwrap_or(touch);
+                let found = format!("{word} {numbers} {residual_mm:.3} mm off {}", self.name(touch));
                 self.error(self.line(touch), found, format!("every {word} on the artefact that the task names"))
             }
             CalibrationRefusal::NotFinite { touch } => {

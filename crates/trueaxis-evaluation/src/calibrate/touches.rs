@@ -150,19 +150,21 @@ fn ring(task: &Task, at: &Place, reach: f64, points: usize, [from, to]: [f64; 2]
 /// Four touches of every ball or hole along the machine's axes.
 fn plate(task: &Task, grid: &Grid, at: &Place, radius: f64) -> Vec<Target> {
     let normal = unit(at.normal);
+    // Not from below, where the bottom of a hole or the plate is near.
+    let from_above = normal.map(|part| part > 0.0);
     let of_ball = |feature: usize| {
         let centre = grid.centre(at, feature);
         if grid.holes {
             let at = Place { at_mm: centre, ..at.clone() };
             let around = ring(task, &at, 0.5 * grid.diameter_mm - radius, 4, [0.0, 360.0], false);
-            return around.into_iter().map(|target| Target { feature, ..target }).collect::<Vec<_>>();
+            return around.into_iter().map(|target| Target { feature, from_above, ..target }).collect::<Vec<_>>();
         }
         let (stem, reach) = (normal.map(|part| -part), 0.5 * grid.diameter_mm + radius);
         let ball = BallAt { feature, centre, stem, tool: normal, pose: [0.0; 3], reach };
         let mut around = ball.targets(task, true, false);
         // The height of a ball is not measured.
         around.retain(|target| dot(target.approach, normal).abs() < 0.5);
-        around
+        around.into_iter().map(|target| Target { from_above, ..target }).collect()
     };
     (0..grid.count()).flat_map(of_ball).collect()
 }

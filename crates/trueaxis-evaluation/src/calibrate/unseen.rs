@@ -25,34 +25,40 @@ pub(super) fn words(plate: &Artefact, grid: &Grid, observed: &Observed, free: &C
     }
     let is_free =
         |is: fn(&Term) -> bool| observed.terms.terms.iter().enumerate().any(|(index, term)| seen(index) && is(term));
-    let mut lacking: Vec<[&str; 2]> = Vec::new();
-    if !plate.places.iter().all(|place| turned(place, &plate.places)) {
-        lacking.push([
+    let shaped = is_free(|term| matches!(term, Term::Curve { degree: 2.., .. }));
+    let linear = is_free(|term| matches!(term, Term::Squareness(_) | Term::Curve { degree: 1, .. }));
+    let mut lacking: Vec<[String; 2]> = Vec::new();
+    let mut lacks = |reason: &str, needed: String| lacking.push([reason.to_owned(), needed]);
+    let is_turned = plate.places.iter().any(|place| turned(place, &plate.places));
+    if linear && !is_turned {
+        lacks(
             "without the turned placement squareness and the ratio of the scales cannot be told from the plate's own skew and \
              proportions",
-            "a [[plate.placement]] with turn_deg = 90",
-        ]);
+            format!("a [[plate.placement]] with {}", turning(grid, &plate.places)),
+        );
     }
-    let shaped = is_free(|term| matches!(term, Term::Curve { degree: 2.., .. }));
-    if shaped && !plate.places.iter().all(|place| moved(place, &plate.places)) {
-        lacking.push([
+    let is_moved = plate.places.iter().any(|place| moved(grid, place, &plate.places));
+    if shaped && !is_moved {
+        lacks(
             "without a moved placement a shape that repeats itself turned cannot be told from the places of the plate's own \
              balls or holes",
-            "a [[plate.placement]] with moved = [1, 0], or [0, 1]",
-        ]);
+            "a [[plate.placement]] with moved = [1, 0] or moved = [0, 1]".into(),
+        );
     }
-    if grid.length_mm.is_none() {
-        lacking
-            .push(["without a known length one scale stays free", "[plate.length] between two of its balls or holes"]);
+    // A shape that moves the two ends changes the length, too, but only the scale needs it known.
+    let scaled = is_free(|term| matches!(term, Term::Curve { degree: 1, .. }));
+    if scaled && grid.length_mm.is_none() && observed.lengths.iter().flatten().any(|length| seen(*length)) {
+        let balls = if grid.holes { "holes" } else { "balls" };
+        lacks("without a known length one scale stays free", format!("[plate.length] between two of its {balls}"));
     }
-    if lacking.is_empty() {
-        lacking.push(["the placements are too few", "more of them, turned or moved"]);
+    if shaped && is_turned && is_moved || lacking.is_empty() {
+        lacking.push(["the placements are too few".into(), "more of them, turned, or moved by one pitch".into()]);
     }
     let places = counted(plate.places.len(), "placement");
     let terms = if names.is_empty() { "the plate's own places".into() } else { names.join(", ") };
-    let [reasons, needed] = [("; ", 0), (", ", 1)]
-        .map(|(with, which)| lacking.iter().map(|lack| lack[which]).collect::<Vec<_>>().join(with));
-    (format!("a plate in {places}: rank {rank} of {count} unknowns, free are {terms}: {reasons}"), needed)
+    let [reasons, needed] = [("; ", 0), ("; and ", 1)]
+        .map(|(with, which)| lacking.iter().map(|lack| lack[which].as_str()).collect::<Vec<_>>().join(with));
+    (format!("a plate in {places}: rank {rank} of {count} unknowns, these stay free: {terms}; {reasons}"), needed)
 }
 
 /// A curve by its error's name, whatever its degree.
@@ -65,13 +71,20 @@ fn short(term: Term, name: &str) -> String {
     }
 }
 
+/// The keys that turn a plate by a quarter onto its lines: half a pitch aside if these are even along one direction only.
+fn turning(grid: &Grid, places: &[Place]) -> String {
+    let deg = if places.first().is_some_and(|place| place.turn % 2 == 1) { 0 } else { 90 };
+    let aside = if (grid.columns + grid.rows) % 2 == 1 { " and moved = [0.5, 0.5]" } else { "" };
+    format!("turn_deg = {deg}{aside}")
+}
+
 /// Whether one of the placements in the same plane is turned by a quarter from a placement.
 fn turned(place: &Place, all: &[Place]) -> bool {
     all.iter().any(|other| other.normal == place.normal && (other.turn + place.turn) % 2 == 1)
 }
 
 /// Whether placements in the same plane, turned alike, lie apart.
-fn moved(place: &Place, all: &[Place]) -> bool {
+fn moved(grid: &Grid, place: &Place, all: &[Place]) -> bool {
     let plane = || all.iter().filter(|other| other.normal == place.normal);
-    plane().any(|one| plane().any(|other| one.turn == other.turn && one.at_mm != other.at_mm))
+    plane().any(|one| plane().any(|other| one.turn == other.turn && grid.apart(one, other)))
 }
