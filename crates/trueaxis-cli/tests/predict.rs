@@ -271,6 +271,8 @@ fn advice_on_two_terms_is_the_closed_form_and_its_task_is_planned() {
     let after = again["advice"]["features"][0]["after_um"].as_f64().unwrap();
     assert!((after / um("after_um") - 1.0).abs() < 0.04, "{again}");
     assert!((again["advice"]["minutes"].as_f64().unwrap() - minutes).abs() < 1e-6, "{again}");
+    // The owner's task stays what it is.
+    folder.bad(&call, &["task.toml"]);
 }
 
 /// Fourteen measurements, more than every set is tried of: five squares and three lasers along three axes.

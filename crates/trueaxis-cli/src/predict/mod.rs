@@ -96,6 +96,12 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
         let found = sections(&find(&program));
         return data(if found.is_empty() { "# no feature found\n" } else { found.trim_start() });
     }
+    let tasks = part.instruments.iter().filter_map(|of| of.file.as_ref()).map(|name| arguments.part.with_file_name(name));
+    let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]).chain(tasks);
+    let mut outputs = Outputs::of(inputs);
+    if let Some(to) = &arguments.output {
+        outputs.refuse_input(to)?;
+    }
     let machine = model::source(&arguments.machine)?;
     let stated = Uncertainties::read(&arguments.machine)?;
     let options = Options { trials: arguments.trials, seed: arguments.seed };
@@ -109,8 +115,6 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
         advice.elsewhere = Some(elsewhere(&machine, &stated, &program, &part, &document)?);
         document.advice = Some(advice);
     }
-    let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]);
-    let mut outputs = Outputs::of(inputs);
     let written = match (&arguments.output, &document.advice) {
         (Some(to), Some(advice)) => stage_task(&mut outputs, to, &arguments.machine, advice)?,
         _ => None,
