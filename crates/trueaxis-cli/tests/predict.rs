@@ -296,7 +296,10 @@ fn of_many_measurements_the_shortest_is_found_step_by_step() {
         let names: Vec<&str> =
             advice["measurements"].as_array().unwrap().iter().map(|of| of["name"].as_str().unwrap()).collect();
         assert_eq!(names, wanted, "{advice}");
+        assert_eq!(advice["exact"], false, "{advice}");
     }
+    let text = folder.good(&["predict", ".", "part.toml", "--advise"]);
+    assert!(text.contains("a short set found by adding measurements one at a time"), "{text}");
 }
 
 /// The scale of X counts from X 0: of the positions within the travel the lowest is the best. A hole at 60 mm comes to 41 mm.
@@ -346,7 +349,10 @@ fn advice_is_the_shortest_set_or_says_what_is_not_measured() {
         advice["measurements"].as_array().unwrap().iter().map(|of| of["name"].as_str().unwrap().to_owned()).collect()
     };
     // The square alone is enough, and shorter than the laser.
-    assert_eq!(names(&of(TWO_TERMS, 0.45)), ["square XY"]);
+    let short = of(TWO_TERMS, 0.45);
+    assert_eq!((names(&short), &short["exact"]), (vec!["square XY".into()], &true.into()));
+    let text = folder.good(&["predict", ".", "part.toml", "--advise"]);
+    assert!(text.contains("bring every characteristic to a verdict, the shortest of all sets"), "{text}");
     assert!(names(&of(TWO_TERMS, 0.7)).is_empty());
     let scattered = TWO_TERMS.replace("scale_ppm = 5", "scale_ppm = 5\nrepeatability_um = 1");
     let advice = of(&scattered, 0.3);
@@ -354,7 +360,7 @@ fn advice_is_the_shortest_set_or_says_what_is_not_measured() {
     let left = &advice["features"][0]["left"][0];
     assert_eq!((&left["term"], &left["is_measured"]), (&"repeatability X".into(), &false.into()));
     let text = folder.good(&["predict", ".", "part.toml", "--advise", "-o", "task.toml"]);
-    for part in ["brings one more feature", "repeatability X", "not measured"] {
+    for part in ["No set of the 2 measurements brings one more characteristic", "repeatability X", "not measured"] {
         assert!(text.contains(part), "{part}: {text}");
     }
     assert!(!folder.has("task.toml"));

@@ -6,8 +6,10 @@ use trueaxis_metrology::uncertainty::Interval;
 /// What to do about a predicted part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Advice {
-    /// The shortest set of measurements with which most features get a verdict, in the order of the part's file.
+    /// A short set of measurements with which most characteristics get a verdict, in the order of the part's file.
     pub measurements: Vec<Measurement>,
+    /// Whether it is the shortest of all sets: every set was compared.
+    pub exact: bool,
     /// Time of all of them.
     pub minutes: f64,
     /// Every toleranced characteristic before and after them, in the order of the part.

@@ -11,8 +11,8 @@
 //! all artefacts: D is what each term shows of a quantity by least squares, R the covariance that the fit foresees. Quantities that differ from approach to approach, and those that
 //! act by their squares, are not measured.
 //!
-//! The set is the shortest with most verdicts; the expected verdict is that at the predicted value. Up to 12 measurements
-//! every set is compared, beyond that measurements are added by gain per minute. The chosen set is drawn: each machine is
+//! The set has most verdicts in a short time; the expected verdict is that at the predicted value. Up to 12 measurements
+//! every set is compared, and the shortest found; beyond that measurements are added by gain per minute. The chosen set is drawn: each machine is
 //! measured, and its part cut with what the readings do not explain.
 
 mod candidate;
@@ -236,6 +236,7 @@ fn advice_of(
     let (probe, scatter_mm) = (shop.probe.clone(), shop.scatter_mm);
     Advice {
         measurements: measurements.collect(),
+        exact: choice.exact,
         minutes: choice.minutes,
         features: features.collect(),
         compared: candidates.iter().map(|of| of.name.clone()).collect(),

@@ -1,6 +1,7 @@
 //! Tables and sentences of the advice.
 
 use super::document::{Advice, Advised, Elsewhere};
+use super::search::EXACT;
 use crate::shown::{Cell, Table};
 use trueaxis_report::number::{decimals, shortest};
 
@@ -39,16 +40,35 @@ impl Advice {
         let undecided =
             |verdict: fn(&Advised) -> &str| self.features.iter().filter(|of| verdict(of) == "undecided").count();
         let [before, after] = [undecided(|of| of.verdict_before), undecided(|of| of.verdict_after)];
-        let minutes = decimals(self.minutes, 0);
+        let minutes = match decimals(self.minutes, 0) {
+            one if one == "1" => "1 minute of measuring".into(),
+            several => format!("{several} minutes of measuring"),
+        };
+        let s = if decimals(self.minutes, 0) == "1" { "s" } else { "" };
         match (before, after, self.measurements.is_empty()) {
             (0, ..) => "Nothing has to be measured".into(),
-            (_, _, true) => {
-                format!("No set of the {} measurements brings one more feature to a verdict", self.compared.len())
-            }
-            (_, 0, _) => format!("{minutes} minutes of measuring bring every feature to a verdict"),
-            _ => format!(
-                "{minutes} minutes of measuring leave {after} of {before} features undecided, the fewest possible"
-            ),
+            (_, _, true) => self.nothing_helps(),
+            (_, 0, _) => format!("{minutes} bring{s} every characteristic to a verdict, {}", self.how_short()),
+            _ => format!("{minutes} leave{s} {after} of {before} characteristics undecided, {}", self.how_short()),
+        }
+    }
+
+    /// What the search proves about the set.
+    fn how_short(&self) -> &'static str {
+        match (self.exact, self.compared.len() > EXACT) {
+            (true, _) => "the shortest of all sets",
+            (_, true) => "a short set found by adding measurements one at a time",
+            _ => "the shortest of the sets that were drawn",
+        }
+    }
+
+    fn nothing_helps(&self) -> String {
+        let more = "one more characteristic to a verdict";
+        match (self.compared.len(), self.exact) {
+            (0, _) => "None of the measurements is possible".into(),
+            (1, _) => format!("The one measurement does not bring {more}"),
+            (count, true) => format!("No set of the {count} measurements brings {more}"),
+            (count, _) => format!("No set of the {count} measurements that was tried brings {more}"),
         }
     }
 }
