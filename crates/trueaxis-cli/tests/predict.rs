@@ -271,6 +271,9 @@ fn advice_on_two_terms_is_the_closed_form_and_its_task_is_planned() {
     let after = again["advice"]["features"][0]["after_um"].as_f64().unwrap();
     assert!((after / um("after_um") - 1.0).abs() < 0.04, "{again}");
     assert!((again["advice"]["minutes"].as_f64().unwrap() - minutes).abs() < 1e-6, "{again}");
+    let call_other = ["predict", ".", "part.toml", "--advise", "-o", "other.toml"];
+    assert!(folder.reported(&call_other).contains("your own task; next, trueaxis calibrate plan task.toml"));
+    assert!(folder.good(&call_other).contains("calibrate plan task.toml") && !folder.has("other.toml"));
     // The owner's task stays what it is.
     folder.bad(&call, &["task.toml"]);
 }
@@ -364,6 +367,17 @@ fn advice_is_the_shortest_set_or_says_what_is_not_measured() {
         assert!(text.contains(part), "{part}: {text}");
     }
     assert!(!folder.has("task.toml"));
+    let call = ["predict", ".", "part.toml", "--advise", "-o", "task.toml"];
+    folder.write("task.toml", "stale");
+    let said = folder.reported(&call);
+    assert!(said.contains("no measurement helps; the file of this name is not from this advice"), "{said}");
+    advised(&folder, TWO_TERMS, INSTRUMENTS, 0.7);
+    assert!(folder.reported(&call).contains("not written task.toml: nothing has to be measured"));
+    let laser = "[[instrument]]\nkind = \"laser\"\nalong = [\"X\"]\nminutes = 1\n";
+    advised(&folder, "[axis.X.uncertainty]\nscale_ppm = 5\n", laser, 0.3);
+    assert!(folder.reported(&call).contains("not written task.toml: no measurement with the probe is needed"));
+    let text = folder.good(&call);
+    assert!(text.contains("1 minute of measuring brings every characteristic to a verdict"), "{text}");
 }
 
 #[test]
@@ -395,4 +409,6 @@ fn advice_without_what_it_needs_is_refused() {
     advised(&folder, TWO_TERMS, &format!("{INSTRUMENTS}{}", one("kind = \"ballbar\"\nradius_mm = 150")), 0.3);
     let text = folder.good(&["predict", ".", "part.toml", "--advise"]);
     assert!(text.contains("not compared, ballbar XY: found X at") && text.contains("square XY"), "{text}");
+    let advice = folder.json(&["predict", ".", "part.toml", "--advise", "--json"])["advice"].clone();
+    assert_eq!(advice["compared"], serde_json::json!(["laser along X", "square XY"]), "{advice}");
 }

@@ -130,12 +130,28 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
 
 /// Stages the task of an advice; what to say about it.
 fn stage_task(outputs: &mut Outputs, to: &Path, machine: &Path, advice: &Advice) -> Result<Option<String>> {
+    let own: Vec<String> = advice.measurements.iter().filter_map(|of| of.file.as_ref()).map(next).collect();
+    let own = own.join(" and ");
     let Some(task) = &advice.task else {
-        return Ok(Some(format!("not written {}: no measurement with the probe is needed", to.display())));
+        let is_decided = advice.features.iter().all(|of| of.verdict_before != "undecided");
+        let why = match (advice.measurements.is_empty(), is_decided) {
+            (true, true) => "nothing has to be measured".into(),
+            (true, false) => "no measurement helps".into(),
+            _ if own.is_empty() => "no measurement with the probe is needed".into(),
+            _ => format!("the advice has your own task; next, {own}"),
+        };
+        let stale = if to.exists() { "; the file of this name is not from this advice" } else { "" };
+        return Ok(Some(format!("not written {}: {why}{stale}", to.display())));
     };
     let beside = to.parent().is_none_or(|folder| folder.as_os_str().is_empty());
     let machine = if beside { machine.to_owned() } else { absolute(machine)? };
     outputs.put(to, task.text(&machine.display().to_string()).as_bytes())?;
     let to = to.display();
-    Ok(Some(format!("written {to}: next, trueaxis calibrate plan {to} -o probe.ngc")))
+    let own = if own.is_empty() { own } else { format!(", and {own}") };
+    Ok(Some(format!("written {to}: next, trueaxis calibrate plan {to} -o probe.ngc{own}")))
+}
+
+/// The command for a task of the owner's.
+fn next(file: impl std::fmt::Display) -> String {
+    format!("trueaxis calibrate plan {file}")
 }

@@ -14,7 +14,7 @@ pub struct Advice {
     pub minutes: f64,
     /// Every toleranced characteristic before and after them, in the order of the part.
     pub features: Vec<Advised>,
-    /// Measurements that were compared.
+    /// Measurements that are possible and were compared.
     pub compared: Vec<String>,
     /// Measurements that are not possible, and why.
     pub left_out: Vec<String>,
@@ -45,6 +45,9 @@ pub struct Measurement {
     pub minutes: f64,
     /// Whether it is part of the task of `calibrate plan`.
     pub in_task: bool,
+    /// The owner's own task of `calibrate plan`, if it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
 }
 
 /// A characteristic before and after the measurements.

@@ -95,8 +95,12 @@ pub fn advise(
     let candidates = candidates(&shop, part, read)?;
     let (choice, refused) = Search::new(&prior, &shop, &candidates).choose()?;
     let mut advice = advice_of(&prior, predicted, &candidates, &choice, &shop);
-    let why = candidates.iter().zip(refused).filter_map(|(of, why)| Some(format!("{}: {}", of.name, why?)));
-    advice.left_out = why.collect();
+    for (of, why) in candidates.iter().zip(refused) {
+        match why {
+            Some(why) => advice.left_out.push(format!("{}: {why}", of.name)),
+            None => advice.compared.push(of.name.clone()),
+        }
+    }
     Ok(advice)
 }
 
@@ -231,7 +235,8 @@ fn advice_of(
     let measurements = chosen.map(|of| {
         let in_task = is_artefact(&of);
         let minutes = of.minutes + if in_task { probing } else { 0.0 };
-        Measurement { name: of.name.clone(), minutes, in_task }
+        let file = if let Way::Task(task) = &of.way { Some(task.file.display().to_string()) } else { None };
+        Measurement { name: of.name.clone(), minutes, in_task, file }
     });
     let (probe, scatter_mm) = (shop.probe.clone(), shop.scatter_mm);
     Advice {
@@ -239,7 +244,7 @@ fn advice_of(
         exact: choice.exact,
         minutes: choice.minutes,
         features: features.collect(),
-        compared: candidates.iter().map(|of| of.name.clone()).collect(),
+        compared: Vec::new(),
         left_out: Vec::new(),
         elsewhere: None,
         corrected: corrected(predicted, prior),

@@ -10,7 +10,11 @@ impl Advice {
     pub(in super::super) fn tables(&self) -> Vec<Table> {
         let number = |k: usize| Cell::from((k + 1).to_string());
         let rows = self.measurements.iter().enumerate().map(|(k, of)| {
-            let how = if of.in_task { "calibrate plan" } else { "" };
+            let how = match &of.file {
+                Some(file) => format!("calibrate plan {file}"),
+                None if of.in_task => "calibrate plan".into(),
+                None => String::new(),
+            };
             vec![number(k), of.name.as_str().into(), Cell::fixed(of.minutes, 0), how.into()]
         });
         let measure = Table::new("What to measure", ["", "measurement", "minutes", "by"], rows.collect::<Vec<_>>());
@@ -55,7 +59,7 @@ impl Advice {
 
     /// What the search proves about the set.
     fn how_short(&self) -> &'static str {
-        match (self.exact, self.compared.len() > EXACT) {
+        match (self.exact, self.compared.len() + self.left_out.len() > EXACT) {
             (true, _) => "the shortest of all sets",
             (_, true) => "a short set found by adding measurements one at a time",
             _ => "the shortest of the sets that were drawn",
