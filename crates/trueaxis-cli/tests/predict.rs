@@ -274,6 +274,17 @@ fn advice_on_two_terms_is_the_closed_form_and_its_task_is_planned() {
     let call_other = ["predict", ".", "part.toml", "--advise", "-o", "other.toml"];
     assert!(folder.reported(&call_other).contains("your own task; next, trueaxis calibrate plan task.toml"));
     assert!(folder.good(&call_other).contains("calibrate plan task.toml") && !folder.has("other.toml"));
+    let named = format!("{laser}{task}name = \"the square\"\n");
+    advised(&folder, TWO_TERMS, &named, 0.3);
+    let again = folder.json(&["predict", ".", "part.toml", "--advise", "--json"]);
+    assert_eq!(again["advice"]["measurements"][1]["name"], "the square", "{again}");
+    assert_eq!(again["advice"]["measurements"][1]["file"], "task.toml", "{again}");
+    let own = folder.read("task.toml");
+    folder.write("other/machine.toml", folder.read("machine.toml"));
+    folder.write("other/x.csv", folder.read("x.csv"));
+    folder.write("task.toml", own.replacen("machine = \".\"", "machine = \"other\"", 1));
+    folder.bad(&["predict", ".", "part.toml", "--advise"], &["task.toml: key machine: found other, needed ."]);
+    folder.write("task.toml", own);
     // The owner's task stays what it is.
     folder.bad(&call, &["task.toml"]);
 }

@@ -4,6 +4,7 @@ use crate::output::{data, json, print, report_line};
 use crate::{model, report};
 use anyhow::{Result, bail};
 use clap::Args;
+use std::fs::canonicalize;
 use std::path::{Path, PathBuf, absolute};
 use trueaxis_evaluation::calibrate::Task;
 use trueaxis_evaluation::predict::{Advice, Options, Part, advise, elsewhere, find, predict, sections};
@@ -109,7 +110,9 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     if arguments.advise {
         let read = |name: &str| {
             let file = arguments.part.with_file_name(name);
-            Ok(Task::read(&model::text(&file)?, &file)?)
+            let task = Task::read(&model::text(&file)?, &file)?;
+            of_machine(&task, &arguments.machine)?;
+            Ok(task)
         };
         let mut advice = advise(&machine, &stated, &program, &part, &document, &read)?;
         advice.elsewhere = Some(elsewhere(&machine, &stated, &program, &part, &document)?);
@@ -126,6 +129,18 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     outputs.commit()?;
     written.iter().for_each(report_line);
     if arguments.json { json(&document) } else { print(&document.shown().text()) }
+}
+
+/// Refuses a task of another machine than the predicted one.
+fn of_machine(task: &Task, predicted: &Path) -> Result<()> {
+    let description = |path: &Path| if path.is_dir() { path.join("machine.toml") } else { path.to_owned() };
+    let stated = task.file.with_file_name("").join(&task.machine);
+    let [own, wanted] = [stated.as_path(), predicted].map(|path| canonicalize(description(path)).ok());
+    if own.is_none() || own != wanted {
+        let (file, found, needed) = (task.file.display(), stated.display(), predicted.display());
+        bail!("{file}: key machine: found {found}, needed {needed}, the machine that is predicted");
+    }
+    Ok(())
 }
 
 /// Stages the task of an advice; what to say about it.

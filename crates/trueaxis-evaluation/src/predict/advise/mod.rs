@@ -179,7 +179,7 @@ fn candidates(shop: &Shop<'_>, part: &Part, read: &dyn Fn(&str) -> Result<Task>)
             let task = read(file)?;
             let set_ups: usize = task.artefacts.iter().map(|artefact| artefact.places.len().max(1)).sum();
             let minutes = of.minutes * set_ups as f64;
-            all.push(Candidate { name: file.clone(), minutes, way: Way::Task(Box::new(task)) });
+            all.push(Candidate { name: of.name.clone(), minutes, way: Way::Task(Box::new(task)) });
         }
         let twice = (1..all.len()).find(|k| all[..*k].iter().any(|other| other.name == all[*k].name));
         if let Some(twice) = twice {
