@@ -330,6 +330,16 @@ fn a_place_where_the_scale_matters_less_is_found() {
     assert_eq!(place["at_mm"], serde_json::json!([1.0, 0.0, -50.0]), "{advice}");
     let share = |key: &str| place[key].as_f64().unwrap();
     assert!((share("there") / share("here") - 41.0 / 60.0).abs() < 1e-3, "{advice}");
+    let text = folder.good(&["predict", ".", "part.toml", "--advise"]);
+    assert!(text.contains("places compared before the measurements"), "{text}");
+    // The distance of the holes is the largest share everywhere and beyond its tolerance; the position conforms only there.
+    let stated = "[axis.X.uncertainty]\nscale_ppm = 20\nbacklash_um = 1\n";
+    let distance = "[[tolerance]]\nfeature = \"two\"\nkind = \"distance\"\nfrom = \"one\"\nlimits_um = [-0.1, 0.1]\n";
+    let position = position.replace("width_um = 5", "width_um = 4.2");
+    write(&folder, &format!("{OTHERS}{stated}"), PROGRAM, &format!("{part}{position}{distance}{INSTRUMENTS}"));
+    let advice = folder.json(&["predict", ".", "part.toml", "--advise", "--json"])["advice"].clone();
+    assert_eq!(advice["place"]["conform"], serde_json::json!([0, 1]), "{advice}");
+    assert_eq!(advice["place"]["at_mm"][0], 1.0, "{advice}");
 }
 
 /// The bevel is cut in negative X, where the carriage lags by an uncertain amount; the other way round it does not.

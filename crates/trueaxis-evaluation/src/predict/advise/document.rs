@@ -90,8 +90,12 @@ pub struct Left {
 /// The part at other places, its features cut the other way round.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Elsewhere {
-    /// Where on the table the part is better.
+    /// Where on the table the part is better, before the measurements.
     pub place: Option<Placed>,
+    /// Number of places compared.
+    pub places_compared: usize,
+    /// Number of places refused: the part or its correction leaves the travel there.
+    pub places_refused: usize,
     /// Features that are better cut the other way round.
     pub directions: Vec<Directed>,
 }
@@ -101,12 +105,12 @@ pub struct Elsewhere {
 pub struct Placed {
     /// Program zero in machine coordinates.
     pub at_mm: [f64; 3],
+    /// Characteristics that conform where the part is, and at this place.
+    pub conform: [usize; 2],
     /// Largest end of an interval as a share of the tolerance, where the part is.
     pub here: f64,
     /// The same at this place.
     pub there: f64,
-    /// Number of places compared.
-    pub compared: usize,
 }
 
 /// A feature cut the other way round.

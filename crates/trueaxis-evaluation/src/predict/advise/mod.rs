@@ -122,7 +122,7 @@ pub fn elsewhere(
         let k = axis.index();
         [(least - low[k]).min(0.0), (most - high[k]).max(0.0)]
     });
-    Ok(Elsewhere { place: asked.place(room)?, directions: asked.directions(predicted)? })
+    Ok(Elsewhere { directions: asked.directions(predicted)?, ..asked.place(room)? })
 }
 
 fn prior_of<'m>(model: &'m Model<'m>, predicted: &PredictDocument, [trials, seed]: [u64; 2]) -> Result<Prior<'m>> {

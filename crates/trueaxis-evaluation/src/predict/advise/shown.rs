@@ -3,6 +3,7 @@
 use super::document::{Advice, Advised, Elsewhere};
 use super::search::EXACT;
 use crate::shown::{Cell, Table};
+use std::fmt::Write as _;
 use trueaxis_report::number::{decimals, shortest};
 
 impl Advice {
@@ -80,15 +81,19 @@ impl Advice {
 impl Elsewhere {
     fn notes(&self) -> Vec<String> {
         let percent = |share: f64| decimals(100.0 * share, 0);
+        let mut compared = format!("{} places compared before the measurements", self.places_compared);
+        if self.places_refused > 0 {
+            let _ = write!(compared, ", {} refused for travel", self.places_refused);
+        }
         let place = self.place.as_ref().map_or_else(
-            || String::from("no other place in X and Y is better by 5 % or more"),
+            || format!("no other place in X and Y is better by 5 % or more ({compared})"),
             |of| {
                 let [x, y, _] = of.at_mm.map(shortest);
                 let [here, there] = [of.here, of.there].map(percent);
-                let compared = of.compared;
+                let [now, then] = of.conform;
                 format!(
-                    "better at X {x}, Y {y}: the largest deviation with its uncertainty is {there} % of its tolerance there, \
-                     {here} % here ({compared} places compared)"
+                    "better at X {x}, Y {y}: characteristics that conform {then}, here {now}; the largest deviation with its \
+                     uncertainty is {there} % of its tolerance there, {here} % here ({compared})"
                 )
             },
         );
