@@ -289,6 +289,27 @@ fn advice_on_two_terms_is_the_closed_form_and_its_task_is_planned() {
     folder.bad(&call, &["task.toml"]);
 }
 
+/// One block along X and along Y has one length: its error of 0.5 µm in 100 mm adds up over 36 mm of X and 64 mm of Y, to
+/// 1.96 · 0.5 µm. Two blocks of their own would leave 0.73 of it. A laser is said to be taken otherwise.
+#[test]
+fn one_standard_in_two_places_has_one_error() {
+    let folder = Folder::new(TRUEAXIS);
+    let scales = "[axis.X.uncertainty]\nscale_ppm = 50\n[axis.Y.uncertainty]\nscale_ppm = 50\n";
+    let block = "[[instrument]]\nkind = \"gauge block\"\nuncertainty_um = 0.5\n\
+                 [probe]\nrepeatability_um = 0.01\ntip_uncertainty_um = 0.001\n";
+    advised(&folder, scales, block, 1.2);
+    let call = ["predict", ".", "part.toml", "--advise", "-o", "task.toml"];
+    let advice = folder.json(&[&call[..], &["--json"]].concat())["advice"].clone();
+    let after = advice["features"][0]["after_um"].as_f64().unwrap();
+    assert!((after / (1.96 * 0.5) - 1.0).abs() < 0.06, "{advice}");
+    let task = folder.read("task.toml");
+    assert_eq!([task.matches("[[artefact]]").count(), task.matches("[[artefact.place]]").count()], [1, 2], "{task}");
+    folder.good(&["calibrate", "plan", "task.toml", "-o", "probe.ngc"]);
+    advised(&folder, scales, "[[instrument]]\nkind = \"laser\"\n", 1.2);
+    let text = folder.good(&call[..4]);
+    assert!(text.contains("common to the uses of laser along several axes"), "{text}");
+}
+
 /// Fourteen measurements, more than every set is tried of: five squares and three lasers along three axes.
 #[test]
 fn of_many_measurements_the_shortest_is_found_step_by_step() {

@@ -18,6 +18,9 @@ pub struct Advice {
     pub compared: Vec<String>,
     /// Measurements that are not possible, and why.
     pub left_out: Vec<String>,
+    /// Lasers that are used along several axes: what is common to these uses, such as the wavelength, is taken as independent.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub independent: Vec<String>,
     /// Another place or direction, if they were compared.
     #[serde(flatten)]
     pub elsewhere: Option<Elsewhere>,
@@ -129,7 +132,6 @@ pub struct Directed {
 impl AdvisedTask {
     /// Text of the task; `machine`: the machine's folder from where the task will be.
     pub fn text(&self, machine: &str) -> String {
-        let artefacts: Vec<&str> = self.artefacts.iter().map(String::as_str).collect();
-        super::text::task_text(machine, &self.probe, self.scatter_mm, &artefacts)
+        super::text::task_text(machine, &self.probe, self.scatter_mm, &self.artefacts)
     }
 }

@@ -36,7 +36,7 @@ use crate::predict::cut::Cut;
 use crate::predict::unknowns::{Model, Unknown};
 use crate::uncertainty::terms::{Along, Counts, Effect, Terms};
 use anyhow::{Result, bail};
-use candidate::{Candidate, Shop, Way};
+use candidate::{Candidate, Shop, Way, grouped};
 use elsewhere::Asked;
 use prior::Prior;
 use search::{Choice, Search};
@@ -226,12 +226,9 @@ fn advice_of(
     });
     let chosen = choice.chosen.iter().map(|k| &candidates[*k]);
     let is_artefact = |of: &&Candidate| matches!(of.way, Way::Artefact(_));
-    let artefacts: Vec<String> = chosen
-        .clone()
-        .filter_map(|of| if let Way::Artefact(text) = &of.way { Some(text.clone()) } else { None })
-        .collect();
+    let artefacts = grouped(chosen.clone());
     // The probing program is that of all artefacts together.
-    let probing = choice.probing_minutes / artefacts.len().max(1) as f64;
+    let probing = choice.probing_minutes / chosen.clone().filter(is_artefact).count().max(1) as f64;
     let measurements = chosen.map(|of| {
         let in_task = is_artefact(&of);
         let minutes = of.minutes + if in_task { probing } else { 0.0 };
@@ -246,10 +243,25 @@ fn advice_of(
         features: features.collect(),
         compared: Vec::new(),
         left_out: Vec::new(),
+        independent: independent(choice.chosen.iter().map(|k| &candidates[*k])),
         elsewhere: None,
         corrected: corrected(predicted, prior),
         task: (!artefacts.is_empty()).then_some(AdvisedTask { probe, scatter_mm, artefacts }),
     }
+}
+
+/// Lasers that are used more than once.
+fn independent<'a>(chosen: impl Iterator<Item = &'a Candidate>) -> Vec<String> {
+    let is_laser = |of: &&Candidate| matches!(&of.way, Way::Read(sights) if sights.found.is_empty());
+    let mut names: Vec<&str> = Vec::new();
+    let mut twice: Vec<String> = Vec::new();
+    for (name, _) in chosen.filter(is_laser).filter_map(|of| of.name.rsplit_once(" along ")) {
+        if names.contains(&name) && !twice.iter().any(|own| own == name) {
+            twice.push(name.to_owned());
+        }
+        names.push(name);
+    }
+    twice
 }
 
 /// Features to which the correction gives another verdict: with the same uncertainty about the uncorrected value.

@@ -34,6 +34,9 @@ impl Advice {
     /// What the tables do not say.
     pub(in super::super) fn notes(&self) -> Vec<String> {
         let mut notes: Vec<String> = self.features.iter().filter_map(Advised::still).collect();
+        notes.extend(self.independent.iter().map(|of| {
+            format!("what is common to the uses of {of} along several axes, such as its wavelength, is taken as independent")
+        }));
         notes.extend(self.elsewhere.iter().flat_map(Elsewhere::notes));
         notes.extend(self.corrected.iter().map(|of| format!("with the correction on, {of}")));
         notes.extend(self.left_out.iter().map(|why| format!("not compared, {why}")));
