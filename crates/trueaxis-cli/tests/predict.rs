@@ -379,7 +379,7 @@ fn a_direction_without_uncertain_lost_motion_is_found() {
     let share = |key: &str| direction[key].as_f64().unwrap();
     // 1.96 · 1 µm · cos 45° of 2 µm; 200 draws.
     assert!((share("here") - 0.693).abs() < 0.15 && share("there") < 1e-3, "{advice}");
-    assert!(folder.good(&call).contains("two cut the other way round"), "{advice}");
+    assert!(folder.good(&call).contains("two cut in the other direction: "), "{advice}");
 }
 
 /// What is not needed is left out; what no measurement shows is named.
@@ -420,6 +420,11 @@ fn advice_is_the_shortest_set_or_says_what_is_not_measured() {
     assert!(folder.reported(&call).contains("not written task.toml: no measurement with the probe is needed"));
     let text = folder.good(&call);
     assert!(text.contains("1 minute of measuring brings every characteristic to a verdict"), "{text}");
+    // 0.6 · 80 mm · 50 µrad without the correction.
+    advised(&folder, "[location]\nC0Y_urad = 50\n[uncertainty.location]\nC0Y_urad = 1\n", laser, 0.3);
+    let text = folder.good(&call);
+    let said = "two distance from one conforms with the correction on; without it, it does not conform";
+    assert!(text.contains(said), "{text}");
 }
 
 #[test]

@@ -41,9 +41,10 @@ otherwise undecided (ISO 14253-1). Verdicts, uncertainties and contributions are
     diameter_mm, length_mm, arm_mm, radius_mm, repeatability_um (ballbar, laser),
     planes (ring, square, ballbar), along (gauge block, laser)
   [probe] with dialect, tip_radius_mm, tip_uncertainty_um, repeatability_um
-It names the shortest set with which most features get a verdict if the predicted values hold, with minutes and every \
-feature's uncertainty before and after; what no measurement shows; a better place in X and Y; features that lost motion makes \
-better cut the other way round; and those to which the correction gives another verdict. -o writes the task for \
+It names a short set with which most characteristics get a verdict if the predicted values hold (of up to 12 measurements the \
+shortest of all sets), with minutes and every characteristic's uncertainty before and after; what no measurement shows; a \
+better place in X and Y; features better cut in the other direction because of lost motion; and characteristics to which the \
+correction gives another verdict. -o writes the task for \
 `trueaxis calibrate plan`.
 
 --find is a start for the part's file, which then needs only name, program and at_mm. It finds full circles, holes, planes \
@@ -71,7 +72,7 @@ pub(crate) struct PredictArgs {
     /// Print the features that the program cuts, as sections for the part's file, and predict nothing.
     #[arg(long, conflicts_with_all = ["json", "report"])]
     find: bool,
-    /// Advise what to measure, where to put the part and which way round to cut.
+    /// Advise what to measure, where to put the part and in which direction to cut.
     #[arg(long, conflicts_with = "find")]
     advise: bool,
     /// The task for `calibrate plan`, if the advice has measurements with the probe.

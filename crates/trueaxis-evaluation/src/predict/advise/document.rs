@@ -24,7 +24,7 @@ pub struct Advice {
     /// Another place or direction, if they were compared.
     #[serde(flatten)]
     pub elsewhere: Option<Elsewhere>,
-    /// Features to which the correction gives another verdict.
+    /// Characteristics to which the correction gives another verdict, in words.
     pub corrected: Vec<String>,
     /// The task of `calibrate plan`, if one is needed: all but the machine's folder.
     #[serde(skip)]
@@ -90,7 +90,7 @@ pub struct Left {
     pub is_measured: bool,
 }
 
-/// The part at other places, its features cut the other way round.
+/// The part at other places, its features cut in the other direction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Elsewhere {
     /// Where on the table the part is better, before the measurements.
@@ -99,7 +99,7 @@ pub struct Elsewhere {
     pub places_compared: usize,
     /// Number of places refused: the part or its correction leaves the travel there.
     pub places_refused: usize,
-    /// Features that are better cut the other way round.
+    /// Features that are better cut in the other direction.
     pub directions: Vec<Directed>,
 }
 
@@ -116,7 +116,7 @@ pub struct Placed {
     pub there: f64,
 }
 
-/// A feature cut the other way round.
+/// A feature cut in the other direction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Directed {
     /// The feature.

@@ -1,4 +1,4 @@
-//! The part at another place, or a feature cut the other way round.
+//! The part at another place, or a feature cut in the other direction.
 
 use super::document::{Directed, Elsewhere, Placed};
 use crate::predict::{FeatureKind, Options, Part, PredictDocument, Predicted, predict};
@@ -15,7 +15,7 @@ const PLACES: usize = 3;
 const ROOM: f64 = 0.95;
 /// Least improvement that is worth saying.
 const BETTER: f64 = 0.05;
-/// Share of the variance by lost motion above which a feature is tried the other way round.
+/// Share of the variance by lost motion above which a feature is tried in the other direction.
 const LOST_MOTION: f64 = 0.02;
 
 /// Machine and part as asked for.
@@ -69,7 +69,7 @@ impl Asked<'_> {
         Ok(Elsewhere { place, places_compared, places_refused, directions: Vec::new() })
     }
 
-    /// The features that lost motion decides, cut the other way round, where that is better.
+    /// The features that lost motion decides, cut in the other direction, where that is better.
     pub(super) fn directions(&self, predicted: &PredictDocument) -> Result<Vec<Directed>> {
         let depends = |of: &Predicted| {
             let budget = of.known.iter().flat_map(|known| &known.budget);

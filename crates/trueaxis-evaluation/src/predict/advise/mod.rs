@@ -1,4 +1,4 @@
-//! What to do about a predicted part: which measurements bring it to a verdict, where to put it, which way round to cut.
+//! What to do about a predicted part: which measurements bring it to a verdict, where to put it, in which direction to cut.
 //!
 //! ```text
 //! y = D z + ε                        readings of a measurement; z: the uncertain quantities of the machine, of unit variance
@@ -104,7 +104,7 @@ pub fn advise(
     Ok(advice)
 }
 
-/// The part at other places in X and Y, and the features that lost motion decides cut the other way round.
+/// The part at other places in X and Y, and the features that lost motion decides cut in the other direction.
 ///
 /// # Errors
 /// As [`predict`](super::predict).
@@ -250,6 +250,13 @@ fn advice_of(
     }
 }
 
+fn said_of(title: &str, with: &str, without: &str) -> String {
+    let of = |verdict: &str| if verdict == "undecided" { format!("is {verdict}") } else { verdict.to_owned() };
+    // "bore, size": the subject of a sentence.
+    let [subject, with, without] = [title.replacen(", ", " ", 1), of(with), of(without)];
+    format!("{subject} {with} with the correction on; without it, it {without}")
+}
+
 /// Lasers that are used more than once.
 fn independent<'a>(chosen: impl Iterator<Item = &'a Candidate>) -> Vec<String> {
     let is_laser = |of: &&Candidate| matches!(&of.way, Way::Read(sights) if sights.found.is_empty());
@@ -264,7 +271,7 @@ fn independent<'a>(chosen: impl Iterator<Item = &'a Candidate>) -> Vec<String> {
     twice
 }
 
-/// Features to which the correction gives another verdict: with the same uncertainty about the uncorrected value.
+/// What to say of characteristics to which the correction gives another verdict: with the same uncertainty about the uncorrected value.
 fn corrected(predicted: &PredictDocument, prior: &Prior<'_>) -> Vec<String> {
     let verdicts = |index: usize| {
         let (of, own) = (&predicted.features[index], &prior.features[index]);
@@ -274,7 +281,7 @@ fn corrected(predicted: &PredictDocument, prior: &Prior<'_>) -> Vec<String> {
     };
     let said = |index: usize| {
         let [without, with] = verdicts(index);
-        (without != with).then(|| format!("{}: {with}, uncorrected {without}", predicted.features[index].title()))
+        (without != with).then(|| said_of(&predicted.features[index].title(), with, without))
     };
     (0..predicted.features.len()).filter_map(said).collect()
 }

@@ -38,7 +38,7 @@ impl Advice {
             format!("what is common to the uses of {of} along several axes, such as its wavelength, is taken as independent")
         }));
         notes.extend(self.elsewhere.iter().flat_map(Elsewhere::notes));
-        notes.extend(self.corrected.iter().map(|of| format!("with the correction on, {of}")));
+        notes.extend(self.corrected.iter().cloned());
         notes.extend(self.left_out.iter().map(|why| format!("not compared, {why}")));
         notes
     }
@@ -103,7 +103,7 @@ impl Elsewhere {
         let directions = self.directions.iter().map(|of| {
             let (feature, kind, [here, there]) = (&of.feature, of.kind, [of.here, of.there].map(percent));
             format!(
-                "{feature} cut the other way round: {kind} {there} % of its tolerance, as programmed {here} % (lost motion; \
+                "{feature} cut in the other direction: {kind} {there} % of its tolerance, as programmed {here} % (lost motion; \
                  the process is not included)"
             )
         });
