@@ -98,7 +98,8 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
         let found = sections(&find(&program));
         return data(if found.is_empty() { "# no feature found\n" } else { found.trim_start() });
     }
-    let tasks = part.instruments.iter().filter_map(|of| of.file.as_ref()).map(|name| arguments.part.with_file_name(name));
+    let tasks =
+        part.instruments.iter().filter_map(|of| of.file.as_ref()).map(|name| arguments.part.with_file_name(name));
     let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]).chain(tasks);
     let mut outputs = Outputs::of(inputs);
     if let Some(to) = &arguments.output {

@@ -35,7 +35,9 @@ impl Advice {
     pub(in super::super) fn notes(&self) -> Vec<String> {
         let mut notes: Vec<String> = self.features.iter().filter_map(Advised::still).collect();
         notes.extend(self.independent.iter().map(|of| {
-            format!("what is common to the uses of {of} along several axes, such as its wavelength, is taken as independent")
+            format!(
+                "what is common to the uses of {of} along several axes, such as its wavelength, is taken as independent"
+            )
         }));
         notes.extend(self.elsewhere.iter().flat_map(Elsewhere::notes));
         notes.extend(self.corrected.iter().cloned());
