@@ -271,6 +271,31 @@ fn advice_on_two_terms_is_the_closed_form_and_its_task_is_planned() {
     let after = again["advice"]["features"][0]["after_um"].as_f64().unwrap();
     assert!((after / um("after_um") - 1.0).abs() < 0.04, "{again}");
     assert!((again["advice"]["minutes"].as_f64().unwrap() - minutes).abs() < 1e-6, "{again}");
+    let call_other = ["predict", ".", "part.toml", "--advise", "-o", "other.toml"];
+    assert!(folder.reported(&call_other).contains("your own task; next, trueaxis calibrate plan task.toml"));
+    assert!(folder.good(&call_other).contains("calibrate plan task.toml") && !folder.has("other.toml"));
+    let named = format!("{laser}{task}name = \"the square\"\n");
+    advised(&folder, TWO_TERMS, &named, 0.3);
+    let again = folder.json(&["predict", ".", "part.toml", "--advise", "--json"]);
+    assert_eq!(again["advice"]["measurements"][1]["name"], "the square", "{again}");
+    assert_eq!(again["advice"]["measurements"][1]["file"], "task.toml", "{again}");
+    let own = folder.read("task.toml");
+    folder.write("other/machine.toml", folder.read("machine.toml"));
+    folder.write("other/x.csv", folder.read("x.csv"));
+    folder.write("task.toml", own.replacen("machine = \".\"", "machine = \"other\"", 1));
+    folder.bad(&["predict", ".", "part.toml", "--advise"], &["task.toml: key machine: found other, needed ."]);
+    folder.write("task.toml", own);
+    // The owner's task stays what it is.
+    folder.bad(&call, &["task.toml"]);
+}
+
+#[test]
+fn several_uses_of_a_laser_are_said_to_be_taken_as_independent() {
+    let folder = Folder::new(TRUEAXIS);
+    let scales = "[axis.X.uncertainty]\nscale_ppm = 50\n[axis.Y.uncertainty]\nscale_ppm = 50\n";
+    advised(&folder, scales, "[[instrument]]\nkind = \"laser\"\n", 1.2);
+    let text = folder.good(&["predict", ".", "part.toml", "--advise"]);
+    assert!(text.contains("common to the uses of laser along several axes"), "{text}");
 }
 
 /// Fourteen measurements, more than every set is tried of: five squares and three lasers along three axes.
@@ -294,7 +319,10 @@ fn of_many_measurements_the_shortest_is_found_step_by_step() {
         let names: Vec<&str> =
             advice["measurements"].as_array().unwrap().iter().map(|of| of["name"].as_str().unwrap()).collect();
         assert_eq!(names, wanted, "{advice}");
+        assert_eq!(advice["exact"], false, "{advice}");
     }
+    let text = folder.good(&["predict", ".", "part.toml", "--advise"]);
+    assert!(text.contains("a short set found by adding measurements one at a time"), "{text}");
 }
 
 /// The scale of X counts from X 0: of the positions within the travel the lowest is the best. A hole at 60 mm comes to 41 mm.
@@ -311,6 +339,15 @@ fn a_place_where_the_scale_matters_less_is_found() {
     assert_eq!(place["at_mm"], serde_json::json!([1.0, 0.0, -50.0]), "{advice}");
     let share = |key: &str| place[key].as_f64().unwrap();
     assert!((share("there") / share("here") - 41.0 / 60.0).abs() < 1e-3, "{advice}");
+    let text = folder.good(&["predict", ".", "part.toml", "--advise"]);
+    assert!(text.contains("places compared before the measurements"), "{text}");
+    // The distance of the holes is the largest share everywhere, and the same: only the position conforms elsewhere.
+    let stated = "[axis.X.uncertainty]\nscale_ppm = 20\nbacklash_um = 1\n";
+    let distance = "[[tolerance]]\nfeature = \"two\"\nkind = \"distance\"\nfrom = \"one\"\nlimits_um = [-0.1, 0.1]\n";
+    let position = position.replace("width_um = 5", "width_um = 4.2");
+    write(&folder, &format!("{OTHERS}{stated}"), PROGRAM, &format!("{part}{position}{distance}{INSTRUMENTS}"));
+    let advice = folder.json(&["predict", ".", "part.toml", "--advise", "--json"])["advice"].clone();
+    assert_eq!(advice["place"]["conform"], serde_json::json!([0, 1]), "{advice}");
 }
 
 /// The bevel is cut in negative X, where the carriage lags by an uncertain amount; the other way round it does not.
@@ -329,7 +366,7 @@ fn a_direction_without_uncertain_lost_motion_is_found() {
     let share = |key: &str| direction[key].as_f64().unwrap();
     // 1.96 · 1 µm · cos 45° of 2 µm; 200 draws.
     assert!((share("here") - 0.693).abs() < 0.15 && share("there") < 1e-3, "{advice}");
-    assert!(folder.good(&call).contains("two cut the other way round"), "{advice}");
+    assert!(folder.good(&call).contains("two cut in the other direction: "), "{advice}");
 }
 
 /// What is not needed is left out; what no measurement shows is named.
@@ -344,7 +381,10 @@ fn advice_is_the_shortest_set_or_says_what_is_not_measured() {
         advice["measurements"].as_array().unwrap().iter().map(|of| of["name"].as_str().unwrap().to_owned()).collect()
     };
     // The square alone is enough, and shorter than the laser.
-    assert_eq!(names(&of(TWO_TERMS, 0.45)), ["square XY"]);
+    let short = of(TWO_TERMS, 0.45);
+    assert_eq!((names(&short), &short["exact"]), (vec!["square XY".into()], &true.into()));
+    let text = folder.good(&["predict", ".", "part.toml", "--advise"]);
+    assert!(text.contains("bring every characteristic to a verdict, the shortest of all sets"), "{text}");
     assert!(names(&of(TWO_TERMS, 0.7)).is_empty());
     let scattered = TWO_TERMS.replace("scale_ppm = 5", "scale_ppm = 5\nrepeatability_um = 1");
     let advice = of(&scattered, 0.3);
@@ -352,10 +392,26 @@ fn advice_is_the_shortest_set_or_says_what_is_not_measured() {
     let left = &advice["features"][0]["left"][0];
     assert_eq!((&left["term"], &left["is_measured"]), (&"repeatability X".into(), &false.into()));
     let text = folder.good(&["predict", ".", "part.toml", "--advise", "-o", "task.toml"]);
-    for part in ["brings one more feature", "repeatability X", "not measured"] {
+    for part in ["No set of the 2 measurements brings one more characteristic", "repeatability X", "not measured"] {
         assert!(text.contains(part), "{part}: {text}");
     }
     assert!(!folder.has("task.toml"));
+    let call = ["predict", ".", "part.toml", "--advise", "-o", "task.toml"];
+    folder.write("task.toml", "stale");
+    let said = folder.reported(&call);
+    assert!(said.contains("no measurement helps; the file of this name is not from this advice"), "{said}");
+    advised(&folder, TWO_TERMS, INSTRUMENTS, 0.7);
+    assert!(folder.reported(&call).contains("not written task.toml: nothing has to be measured"));
+    let laser = "[[instrument]]\nkind = \"laser\"\nalong = [\"X\"]\nminutes = 1\n";
+    advised(&folder, "[axis.X.uncertainty]\nscale_ppm = 5\n", laser, 0.3);
+    assert!(folder.reported(&call).contains("not written task.toml: no measurement with the probe is needed"));
+    let text = folder.good(&call);
+    assert!(text.contains("1 minute of measuring brings every characteristic to a verdict"), "{text}");
+    // 0.6 · 80 mm · 50 µrad without the correction.
+    advised(&folder, "[location]\nC0Y_urad = 50\n[uncertainty.location]\nC0Y_urad = 1\n", laser, 0.3);
+    let text = folder.good(&call);
+    let said = "two distance from one conforms with the correction on; without it, it does not conform";
+    assert!(text.contains(said), "{text}");
 }
 
 #[test]
@@ -387,4 +443,6 @@ fn advice_without_what_it_needs_is_refused() {
     advised(&folder, TWO_TERMS, &format!("{INSTRUMENTS}{}", one("kind = \"ballbar\"\nradius_mm = 150")), 0.3);
     let text = folder.good(&["predict", ".", "part.toml", "--advise"]);
     assert!(text.contains("not compared, ballbar XY: found X at") && text.contains("square XY"), "{text}");
+    let advice = folder.json(&["predict", ".", "part.toml", "--advise", "--json"])["advice"].clone();
+    assert_eq!(advice["compared"], serde_json::json!(["laser along X", "square XY"]), "{advice}");
 }

@@ -4,6 +4,7 @@ use crate::output::{data, json, print, report_line};
 use crate::{model, report};
 use anyhow::{Result, bail};
 use clap::Args;
+use std::fs::canonicalize;
 use std::path::{Path, PathBuf, absolute};
 use trueaxis_evaluation::calibrate::Task;
 use trueaxis_evaluation::predict::{Advice, Options, Part, advise, elsewhere, find, predict, sections};
@@ -40,9 +41,10 @@ otherwise undecided (ISO 14253-1). Verdicts, uncertainties and contributions are
     diameter_mm, length_mm, arm_mm, radius_mm, repeatability_um (ballbar, laser),
     planes (ring, square, ballbar), along (gauge block, laser)
   [probe] with dialect, tip_radius_mm, tip_uncertainty_um, repeatability_um
-It names the shortest set with which most features get a verdict if the predicted values hold, with minutes and every \
-feature's uncertainty before and after; what no measurement shows; a better place in X and Y; features that lost motion makes \
-better cut the other way round; and those to which the correction gives another verdict. -o writes the task for \
+It names a short set with which most characteristics get a verdict if the predicted values hold (of up to 12 measurements the \
+shortest of all sets), with minutes and every characteristic's uncertainty before and after; what no measurement shows; a \
+better place in X and Y; features better cut in the other direction because of lost motion; and characteristics to which the \
+correction gives another verdict. -o writes the task for \
 `trueaxis calibrate plan`.
 
 --find is a start for the part's file, which then needs only name, program and at_mm. It finds full circles, holes, planes \
@@ -70,7 +72,7 @@ pub(crate) struct PredictArgs {
     /// Print the features that the program cuts, as sections for the part's file, and predict nothing.
     #[arg(long, conflicts_with_all = ["json", "report"])]
     find: bool,
-    /// Advise what to measure, where to put the part and which way round to cut.
+    /// Advise what to measure, where to put the part and in which direction to cut.
     #[arg(long, conflicts_with = "find")]
     advise: bool,
     /// The task for `calibrate plan`, if the advice has measurements with the probe.
@@ -96,6 +98,13 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
         let found = sections(&find(&program));
         return data(if found.is_empty() { "# no feature found\n" } else { found.trim_start() });
     }
+    let tasks =
+        part.instruments.iter().filter_map(|of| of.file.as_ref()).map(|name| arguments.part.with_file_name(name));
+    let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]).chain(tasks);
+    let mut outputs = Outputs::of(inputs);
+    if let Some(to) = &arguments.output {
+        outputs.refuse_input(to)?;
+    }
     let machine = model::source(&arguments.machine)?;
     let stated = Uncertainties::read(&arguments.machine)?;
     let options = Options { trials: arguments.trials, seed: arguments.seed };
@@ -103,14 +112,14 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     if arguments.advise {
         let read = |name: &str| {
             let file = arguments.part.with_file_name(name);
-            Ok(Task::read(&model::text(&file)?, &file)?)
+            let task = Task::read(&model::text(&file)?, &file)?;
+            of_machine(&task, &arguments.machine)?;
+            Ok(task)
         };
         let mut advice = advise(&machine, &stated, &program, &part, &document, &read)?;
         advice.elsewhere = Some(elsewhere(&machine, &stated, &program, &part, &document)?);
         document.advice = Some(advice);
     }
-    let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]);
-    let mut outputs = Outputs::of(inputs);
     let written = match (&arguments.output, &document.advice) {
         (Some(to), Some(advice)) => stage_task(&mut outputs, to, &arguments.machine, advice)?,
         _ => None,
@@ -124,14 +133,42 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     if arguments.json { json(&document) } else { print(&document.shown().text()) }
 }
 
+/// Refuses a task of another machine than the predicted one.
+fn of_machine(task: &Task, predicted: &Path) -> Result<()> {
+    let description = |path: &Path| if path.is_dir() { path.join("machine.toml") } else { path.to_owned() };
+    let stated = task.file.with_file_name("").join(&task.machine);
+    let [own, wanted] = [stated.as_path(), predicted].map(|path| canonicalize(description(path)).ok());
+    if own.is_none() || own != wanted {
+        let (file, found, needed) = (task.file.display(), stated.display(), predicted.display());
+        bail!("{file}: key machine: found {found}, needed {needed}, the machine that is predicted");
+    }
+    Ok(())
+}
+
 /// Stages the task of an advice; what to say about it.
 fn stage_task(outputs: &mut Outputs, to: &Path, machine: &Path, advice: &Advice) -> Result<Option<String>> {
+    let own: Vec<String> = advice.measurements.iter().filter_map(|of| of.file.as_ref()).map(next).collect();
+    let own = own.join(" and ");
     let Some(task) = &advice.task else {
-        return Ok(Some(format!("not written {}: no measurement with the probe is needed", to.display())));
+        let is_decided = advice.features.iter().all(|of| of.verdict_before != "undecided");
+        let why = match (advice.measurements.is_empty(), is_decided) {
+            (true, true) => "nothing has to be measured".into(),
+            (true, false) => "no measurement helps".into(),
+            _ if own.is_empty() => "no measurement with the probe is needed".into(),
+            _ => format!("the advice has your own task; next, {own}"),
+        };
+        let stale = if to.exists() { "; the file of this name is not from this advice" } else { "" };
+        return Ok(Some(format!("not written {}: {why}{stale}", to.display())));
     };
     let beside = to.parent().is_none_or(|folder| folder.as_os_str().is_empty());
     let machine = if beside { machine.to_owned() } else { absolute(machine)? };
     outputs.put(to, task.text(&machine.display().to_string()).as_bytes())?;
     let to = to.display();
-    Ok(Some(format!("written {to}: next, trueaxis calibrate plan {to} -o probe.ngc")))
+    let own = if own.is_empty() { own } else { format!(", and {own}") };
+    Ok(Some(format!("written {to}: next, trueaxis calibrate plan {to} -o probe.ngc{own}")))
+}
+
+/// The command for a task of the owner's.
+fn next(file: impl std::fmt::Display) -> String {
+    format!("trueaxis calibrate plan {file}")
 }

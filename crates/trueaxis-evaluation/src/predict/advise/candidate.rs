@@ -26,12 +26,34 @@ pub(super) struct Candidate {
 /// How it is done.
 #[derive(Clone, Debug)]
 pub(super) enum Way {
-    /// An artefact of a task: its sections.
-    Artefact(String),
+    /// A place of an artefact of a task: an artefact at several places is one standard, with one size.
+    Artefact(Placed),
     /// Readings of an instrument.
     Read(Sights),
     /// A task of its own.
     Task(Box<Task>),
+}
+
+/// Sections of a task.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    /// `[[artefact]]`.
+    pub(super) artefact: String,
+    /// `[[artefact.place]]`.
+    pub(super) place: String,
+}
+
+/// The sections of places: of each artefact once, with its places.
+pub(super) fn grouped<'a>(chosen: impl Iterator<Item = &'a Candidate>) -> Vec<String> {
+    let mut artefacts: Vec<(&str, String)> = Vec::new();
+    for of in chosen {
+        let Way::Artefact(Placed { artefact, place }) = &of.way else { continue };
+        match artefacts.iter_mut().find(|(own, _)| own == artefact) {
+            Some((_, places)) => places.push_str(place),
+            None => artefacts.push((artefact, place.clone())),
+        }
+    }
+    artefacts.into_iter().map(|(artefact, places)| format!("{artefact}{places}")).collect()
 }
 
 /// Where the part is: middle of its points, and of the machine's axes.
@@ -72,13 +94,11 @@ impl Shop<'_> {
             }
             InstrumentKind::GaugeBlock => each(&|axis| {
                 let name = format!("{} along {}", of.name, axis.letter());
-                let text = self.block(of, axis, &name);
-                (name, Way::Artefact(text))
+                (name, Way::Artefact(self.block(of, axis)))
             }),
             InstrumentKind::Square => each(&|axis| {
                 let name = format!("{} {}", of.name, plane(axis));
-                let text = self.square(of, axis, &name);
-                (name, Way::Artefact(text))
+                (name, Way::Artefact(self.square(of, axis)))
             }),
             InstrumentKind::Ballbar => each(&|axis| {
                 let (low, r) = (Sights::below(axis) * of.size_mm, of.size_mm);
@@ -96,28 +116,27 @@ impl Shop<'_> {
         }
     }
 
-    fn round(&self, of: &Instrument, kind: &str) -> String {
+    fn round(&self, of: &Instrument, kind: &str) -> Placed {
         let r = 0.5 * of.size_mm + ROOM;
         let at = self.place(of, [[r; 2], [r; 2], [r, ABOVE]]);
         let (diameter, um) = (of.size_mm, 1e3 * of.uncertainty);
-        let mut text = head(&of.name, kind);
-        let _ = write!(text, "diameter_mm = {diameter}\nuncertainty_um = {um}\n");
-        text + &place(at)
+        let mut artefact = head(&of.name, kind);
+        let _ = write!(artefact, "diameter_mm = {diameter}\nuncertainty_um = {um}\n");
+        Placed { artefact, place: place(at) }
     }
 
-    fn block(&self, of: &Instrument, axis: Axis, name: &str) -> String {
+    fn block(&self, of: &Instrument, axis: Axis) -> Placed {
         let [wide, high] = SECTION;
         let half = |k: usize| 0.5 * if k == axis.index() { of.size_mm } else { wide } + ROOM;
         let at = self.place(of, [[half(0); 2], [half(1); 2], [high + ROOM, ABOVE]]);
         let (length, um) = (of.size_mm, 1e3 * of.uncertainty);
-        let mut text = head(name, "gauge block");
-        let _ = write!(text, "length_mm = {length}\nsection_mm = [{wide}, {high}]\nuncertainty_um = {um}\n");
-        let _ = writeln!(text, "{}along = \"{}\"", place(at), axis.letter());
-        text
+        let mut artefact = head(&of.name, "gauge block");
+        let _ = write!(artefact, "length_mm = {length}\nsection_mm = [{wide}, {high}]\nuncertainty_um = {um}\n");
+        Placed { artefact, place: format!("{}along = \"{}\"\n", place(at), axis.letter()) }
     }
 
     /// Lying, or upright with its first arm along the plane's horizontal axis and the second down from the corner.
-    fn square(&self, of: &Instrument, normal: Axis, name: &str) -> String {
+    fn square(&self, of: &Instrument, normal: Axis) -> Placed {
         let arm = of.size_mm + ROOM;
         let along = if normal == Axis::X { Axis::Y } else { Axis::X };
         // The arms go up in X and Y, down in Z.
@@ -128,10 +147,10 @@ impl Shop<'_> {
         };
         let at = self.place(of, [room(0), room(1), room(2)]);
         let (arm, urad) = (of.size_mm, 1e6 * of.uncertainty);
-        let mut text = head(name, "square");
-        let _ = write!(text, "arms_mm = [{arm}, {arm}]\nuncertainty_urad = {urad}\n{}", place(at));
-        let _ = write!(text, "normal = \"{}\"\nalong = \"{}\"\n", normal.letter(), along.letter());
-        text
+        let mut artefact = head(&of.name, "square");
+        let _ = write!(artefact, "arms_mm = [{arm}, {arm}]\nuncertainty_urad = {urad}\n");
+        let place = format!("{}normal = \"{}\"\nalong = \"{}\"\n", place(at), normal.letter(), along.letter());
+        Placed { artefact, place }
     }
 }
 

@@ -1,6 +1,6 @@
 //! What measurements say about the uncertain quantities of a machine.
 
-use super::candidate::{Candidate, Shop, Way};
+use super::candidate::{Candidate, Shop, grouped};
 use super::sights::{FOUND, RESULTS, Sights};
 use super::text::task_text;
 use crate::calibrate::{Ideal, Plan, Pose, Task, observe, planned};
@@ -122,10 +122,7 @@ pub(super) fn of_task(model: &Model<'_>, unknowns: &[Unknown], task: &Task) -> R
 /// # Errors
 /// As [`Task::read`].
 pub(super) fn task_of(shop: &Shop<'_>, machine: &str, chosen: &[&Candidate]) -> Result<Option<(String, Task)>> {
-    let artefacts: Vec<&str> = chosen
-        .iter()
-        .filter_map(|of| if let Way::Artefact(text) = &of.way { Some(text.as_str()) } else { None })
-        .collect();
+    let artefacts = grouped(chosen.iter().copied());
     if artefacts.is_empty() {
         return Ok(None);
     }

@@ -6,20 +6,25 @@ use trueaxis_metrology::uncertainty::Interval;
 /// What to do about a predicted part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Advice {
-    /// The shortest set of measurements with which most features get a verdict, in the order of the part's file.
+    /// A short set of measurements with which most characteristics get a verdict, in the order of the part's file.
     pub measurements: Vec<Measurement>,
+    /// Whether it is the shortest of all sets: every set was compared.
+    pub exact: bool,
     /// Time of all of them.
     pub minutes: f64,
     /// Every toleranced characteristic before and after them, in the order of the part.
     pub features: Vec<Advised>,
-    /// Measurements that were compared.
+    /// Measurements that are possible and were compared.
     pub compared: Vec<String>,
     /// Measurements that are not possible, and why.
     pub left_out: Vec<String>,
+    /// Lasers that are used along several axes: what is common to these uses, such as the wavelength, is taken as independent.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub independent: Vec<String>,
     /// Another place or direction, if they were compared.
     #[serde(flatten)]
     pub elsewhere: Option<Elsewhere>,
-    /// Features to which the correction gives another verdict.
+    /// Characteristics to which the correction gives another verdict, in words.
     pub corrected: Vec<String>,
     /// The task of `calibrate plan`, if one is needed: all but the machine's folder.
     #[serde(skip)]
@@ -43,6 +48,9 @@ pub struct Measurement {
     pub minutes: f64,
     /// Whether it is part of the task of `calibrate plan`.
     pub in_task: bool,
+    /// The owner's own task of `calibrate plan`, if it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
 }
 
 /// A characteristic before and after the measurements.
@@ -82,12 +90,16 @@ pub struct Left {
     pub is_measured: bool,
 }
 
-/// The part at other places, its features cut the other way round.
+/// The part at other places, its features cut in the other direction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Elsewhere {
-    /// Where on the table the part is better.
+    /// Where on the table the part is better, before the measurements.
     pub place: Option<Placed>,
-    /// Features that are better cut the other way round.
+    /// Number of places compared.
+    pub places_compared: usize,
+    /// Number of places refused: the part or its correction leaves the travel there.
+    pub places_refused: usize,
+    /// Features that are better cut in the other direction.
     pub directions: Vec<Directed>,
 }
 
@@ -96,15 +108,15 @@ pub struct Elsewhere {
 pub struct Placed {
     /// Program zero in machine coordinates.
     pub at_mm: [f64; 3],
+    /// Characteristics that conform where the part is, and at this place.
+    pub conform: [usize; 2],
     /// Largest end of an interval as a share of the tolerance, where the part is.
     pub here: f64,
     /// The same at this place.
     pub there: f64,
-    /// Number of places compared.
-    pub compared: usize,
 }
 
-/// A feature cut the other way round.
+/// A feature cut in the other direction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Directed {
     /// The feature.
@@ -120,7 +132,6 @@ pub struct Directed {
 impl AdvisedTask {
     /// Text of the task; `machine`: the machine's folder from where the task will be.
     pub fn text(&self, machine: &str) -> String {
-        let artefacts: Vec<&str> = self.artefacts.iter().map(String::as_str).collect();
-        super::text::task_text(machine, &self.probe, self.scatter_mm, &artefacts)
+        super::text::task_text(machine, &self.probe, self.scatter_mm, &self.artefacts)
     }
 }

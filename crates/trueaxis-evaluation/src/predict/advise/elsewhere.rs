@@ -1,6 +1,6 @@
-//! The part at another place, or a feature cut the other way round.
+//! The part at another place, or a feature cut in the other direction.
 
-use super::document::{Directed, Placed};
+use super::document::{Directed, Elsewhere, Placed};
 use crate::predict::{FeatureKind, Options, Part, PredictDocument, Predicted, predict};
 use anyhow::Result;
 use trueaxis_sim::program::{Curve, Move, Program};
@@ -15,7 +15,7 @@ const PLACES: usize = 3;
 const ROOM: f64 = 0.95;
 /// Least improvement that is worth saying.
 const BETTER: f64 = 0.05;
-/// Share of the variance by lost motion above which a feature is tried the other way round.
+/// Share of the variance by lost motion above which a feature is tried in the other direction.
 const LOST_MOTION: f64 = 0.02;
 
 /// Machine and part as asked for.
@@ -32,12 +32,12 @@ impl Asked<'_> {
         predict(self.machine, self.stated, program, part, Options { trials: TRIALS, seed: self.seed })
     }
 
-    /// The best of some places in X and Y; `room`: how far the part can move down and up along each. `None` if it is where it
-    /// is best.
-    pub(super) fn place(&self, room: [[f64; 2]; 2]) -> Result<Option<Placed>> {
-        let here = worst(&self.predict(self.program, self.part)?);
+    /// The best of some places in X and Y, by the characteristics that conform, then by the largest share of a tolerance;
+    /// `room`: how far the part can move down and up along each. No place if it is where it is best.
+    pub(super) fn place(&self, room: [[f64; 2]; 2]) -> Result<Elsewhere> {
+        let here = Rated::of(&self.predict(self.program, self.part)?);
         let mut best = (here, self.part.at_mm);
-        let mut compared = 1;
+        let [mut places_compared, mut places_refused] = [1, 0];
         let shift = |[low, high]: [f64; 2], k: usize| ROOM * (low + (high - low) * k as f64 / (PLACES - 1) as f64);
         let mut tried = vec![self.part.at_mm];
         for (i, j) in (0..PLACES).flat_map(|i| (0..PLACES).map(move |j| (i, j))) {
@@ -52,18 +52,24 @@ impl Asked<'_> {
             tried.push(at);
             let part = Part { at_mm: at, ..self.part.clone() };
             // The correction may lead out of the travel at its ends.
-            let Ok(document) = self.predict(self.program, &part) else { continue };
-            compared += 1;
-            let there = worst(&document);
-            if there < best.0 {
+            let Ok(document) = self.predict(self.program, &part) else {
+                places_refused += 1;
+                continue;
+            };
+            places_compared += 1;
+            let there = Rated::of(&document);
+            if there.is_better(&best.0, 0.0) {
                 best = (there, at);
             }
         }
         let (there, at_mm) = best;
-        Ok((there < (1.0 - BETTER) * here).then_some(Placed { at_mm, here, there, compared }))
+        let conform = [here.conform, there.conform];
+        let place = Placed { at_mm, conform, here: here.worst, there: there.worst };
+        let place = there.is_better(&here, BETTER).then_some(place);
+        Ok(Elsewhere { place, places_compared, places_refused, directions: Vec::new() })
     }
 
-    /// The features that lost motion decides, cut the other way round, where that is better.
+    /// The features that lost motion decides, cut in the other direction, where that is better.
     pub(super) fn directions(&self, predicted: &PredictDocument) -> Result<Vec<Directed>> {
         let depends = |of: &Predicted| {
             let budget = of.known.iter().flat_map(|known| &known.budget);
@@ -115,8 +121,27 @@ fn share(of: &Predicted) -> f64 {
     }
 }
 
-fn worst(document: &PredictDocument) -> f64 {
-    document.features.iter().map(share).fold(0.0, f64::max)
+/// A part at a place.
+#[derive(Clone, Copy)]
+struct Rated {
+    /// Characteristics that conform.
+    conform: usize,
+    /// Largest share of a tolerance.
+    worst: f64,
+}
+
+impl Rated {
+    fn of(document: &PredictDocument) -> Rated {
+        let conforms = |of: &&Predicted| of.known.as_ref().is_some_and(|known| known.verdict == "conforms");
+        let conform = document.features.iter().filter(conforms).count();
+        Rated { conform, worst: document.features.iter().map(share).fold(0.0, f64::max) }
+    }
+
+    /// More characteristics conform, or as many with a largest share that is less by this part of it.
+    fn is_better(&self, other: &Rated, by: f64) -> bool {
+        let is_less = self.worst < (1.0 - by) * other.worst;
+        self.conform > other.conform || self.conform == other.conform && is_less
+    }
 }
 
 /// The program with the moves of these lines cut backwards; `None` if one of them is a spline.

@@ -100,7 +100,7 @@ const ALL: [Defaults; 7] = {
 pub struct Instrument {
     /// Kind.
     pub kind: InstrumentKind,
-    /// Name, that of the kind unless stated.
+    /// Name, that of the kind or of a task's file unless stated.
     pub name: String,
     /// Duration of one measurement; of a task or artefact: of one set-up, without the probing.
     pub minutes: f64,
@@ -183,7 +183,7 @@ pub(in super::super) fn read_instrument(section: Section<'_>) -> Result<Instrume
     let kind = section.choice("kind", ALL.each_ref().map(|own| (own.name, own.kind)))?;
     let kind = kind.ok_or_else(|| section.missing_here("kind", WORDS))?;
     let own = kind.defaults();
-    let name = section.string("name")?.map_or(own.name, |found| found.value).to_owned();
+    let name = section.string("name")?.map(|found| found.value.to_owned());
     let minutes = number(&section, "minutes", [0.1, 10_000.0], " minutes")?.unwrap_or(own.minutes);
     let uncertainty = match own.uncertainty {
         Some((key, value, factor)) => factor * number(&section, key, [0.001, 1e4], "")?.unwrap_or(value),
@@ -210,6 +210,7 @@ pub(in super::super) fn read_instrument(section: Section<'_>) -> Result<Instrume
     }
     let axes = read_axes(&section, kind)?;
     section.finish(None)?;
+    let name = name.or_else(|| file.clone()).unwrap_or_else(|| own.name.into());
     Ok(Instrument { kind, name, minutes, uncertainty, size_mm, repeatability_mm, at_mm, axes, file, line })
 }
 

@@ -1,4 +1,4 @@
-//! What to do about a predicted part: which measurements bring it to a verdict, where to put it, which way round to cut.
+//! What to do about a predicted part: which measurements bring it to a verdict, where to put it, in which direction to cut.
 //!
 //! ```text
 //! y = D z + ε                        readings of a measurement; z: the uncertain quantities of the machine, of unit variance
@@ -11,8 +11,8 @@
 //! all artefacts: D is what each term shows of a quantity by least squares, R the covariance that the fit foresees. Quantities that differ from approach to approach, and those that
 //! act by their squares, are not measured.
 //!
-//! The set is the shortest with most verdicts; the expected verdict is that at the predicted value. Up to 12 measurements
-//! every set is compared, beyond that measurements are added by gain per minute. The chosen set is drawn: each machine is
+//! The set has most verdicts in a short time; the expected verdict is that at the predicted value. Up to 12 measurements
+//! every set is compared, and the shortest found; beyond that measurements are added by gain per minute. The chosen set is drawn: each machine is
 //! measured, and its part cut with what the readings do not explain.
 
 mod candidate;
@@ -36,7 +36,7 @@ use crate::predict::cut::Cut;
 use crate::predict::unknowns::{Model, Unknown};
 use crate::uncertainty::terms::{Along, Counts, Effect, Terms};
 use anyhow::{Result, bail};
-use candidate::{Candidate, Shop, Way};
+use candidate::{Candidate, Shop, Way, grouped};
 use elsewhere::Asked;
 use prior::Prior;
 use search::{Choice, Search};
@@ -95,12 +95,16 @@ pub fn advise(
     let candidates = candidates(&shop, part, read)?;
     let (choice, refused) = Search::new(&prior, &shop, &candidates).choose()?;
     let mut advice = advice_of(&prior, predicted, &candidates, &choice, &shop);
-    let why = candidates.iter().zip(refused).filter_map(|(of, why)| Some(format!("{}: {}", of.name, why?)));
-    advice.left_out = why.collect();
+    for (of, why) in candidates.iter().zip(refused) {
+        match why {
+            Some(why) => advice.left_out.push(format!("{}: {why}", of.name)),
+            None => advice.compared.push(of.name.clone()),
+        }
+    }
     Ok(advice)
 }
 
-/// The part at other places in X and Y, and the features that lost motion decides cut the other way round.
+/// The part at other places in X and Y, and the features that lost motion decides cut in the other direction.
 ///
 /// # Errors
 /// As [`predict`](super::predict).
@@ -118,7 +122,7 @@ pub fn elsewhere(
         let k = axis.index();
         [(least - low[k]).min(0.0), (most - high[k]).max(0.0)]
     });
-    Ok(Elsewhere { place: asked.place(room)?, directions: asked.directions(predicted)? })
+    Ok(Elsewhere { directions: asked.directions(predicted)?, ..asked.place(room)? })
 }
 
 fn prior_of<'m>(model: &'m Model<'m>, predicted: &PredictDocument, [trials, seed]: [u64; 2]) -> Result<Prior<'m>> {
@@ -175,7 +179,7 @@ fn candidates(shop: &Shop<'_>, part: &Part, read: &dyn Fn(&str) -> Result<Task>)
             let task = read(file)?;
             let set_ups: usize = task.artefacts.iter().map(|artefact| artefact.places.len().max(1)).sum();
             let minutes = of.minutes * set_ups as f64;
-            all.push(Candidate { name: file.clone(), minutes, way: Way::Task(Box::new(task)) });
+            all.push(Candidate { name: of.name.clone(), minutes, way: Way::Task(Box::new(task)) });
         }
         let twice = (1..all.len()).find(|k| all[..*k].iter().any(|other| other.name == all[*k].name));
         if let Some(twice) = twice {
@@ -222,31 +226,52 @@ fn advice_of(
     });
     let chosen = choice.chosen.iter().map(|k| &candidates[*k]);
     let is_artefact = |of: &&Candidate| matches!(of.way, Way::Artefact(_));
-    let artefacts: Vec<String> = chosen
-        .clone()
-        .filter_map(|of| if let Way::Artefact(text) = &of.way { Some(text.clone()) } else { None })
-        .collect();
+    let artefacts = grouped(chosen.clone());
     // The probing program is that of all artefacts together.
-    let probing = choice.probing_minutes / artefacts.len().max(1) as f64;
+    let probing = choice.probing_minutes / chosen.clone().filter(is_artefact).count().max(1) as f64;
     let measurements = chosen.map(|of| {
         let in_task = is_artefact(&of);
         let minutes = of.minutes + if in_task { probing } else { 0.0 };
-        Measurement { name: of.name.clone(), minutes, in_task }
+        let file = if let Way::Task(task) = &of.way { Some(task.file.display().to_string()) } else { None };
+        Measurement { name: of.name.clone(), minutes, in_task, file }
     });
     let (probe, scatter_mm) = (shop.probe.clone(), shop.scatter_mm);
     Advice {
         measurements: measurements.collect(),
+        exact: choice.exact,
         minutes: choice.minutes,
         features: features.collect(),
-        compared: candidates.iter().map(|of| of.name.clone()).collect(),
+        compared: Vec::new(),
         left_out: Vec::new(),
+        independent: independent(choice.chosen.iter().map(|k| &candidates[*k])),
         elsewhere: None,
         corrected: corrected(predicted, prior),
         task: (!artefacts.is_empty()).then_some(AdvisedTask { probe, scatter_mm, artefacts }),
     }
 }
 
-/// Features to which the correction gives another verdict: with the same uncertainty about the uncorrected value.
+fn said_of(title: &str, with: &str, without: &str) -> String {
+    let of = |verdict: &str| if verdict == "undecided" { format!("is {verdict}") } else { verdict.to_owned() };
+    // "bore, size": the subject of a sentence.
+    let [subject, with, without] = [title.replacen(", ", " ", 1), of(with), of(without)];
+    format!("{subject} {with} with the correction on; without it, it {without}")
+}
+
+/// Lasers that are used more than once.
+fn independent<'a>(chosen: impl Iterator<Item = &'a Candidate>) -> Vec<String> {
+    let is_laser = |of: &&Candidate| matches!(&of.way, Way::Read(sights) if sights.found.is_empty());
+    let mut names: Vec<&str> = Vec::new();
+    let mut twice: Vec<String> = Vec::new();
+    for (name, _) in chosen.filter(is_laser).filter_map(|of| of.name.rsplit_once(" along ")) {
+        if names.contains(&name) && !twice.iter().any(|own| own == name) {
+            twice.push(name.to_owned());
+        }
+        names.push(name);
+    }
+    twice
+}
+
+/// What to say of characteristics to which the correction gives another verdict: with the same uncertainty about the uncorrected value.
 fn corrected(predicted: &PredictDocument, prior: &Prior<'_>) -> Vec<String> {
     let verdicts = |index: usize| {
         let (of, own) = (&predicted.features[index], &prior.features[index]);
@@ -256,7 +281,7 @@ fn corrected(predicted: &PredictDocument, prior: &Prior<'_>) -> Vec<String> {
     };
     let said = |index: usize| {
         let [without, with] = verdicts(index);
-        (without != with).then(|| format!("{}: {with}, uncorrected {without}", predicted.features[index].title()))
+        (without != with).then(|| said_of(&predicted.features[index].title(), with, without))
     };
     (0..predicted.features.len()).filter_map(said).collect()
 }

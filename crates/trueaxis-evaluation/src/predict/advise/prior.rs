@@ -52,6 +52,9 @@ impl Prior<'_> {
     pub(super) fn expected(&self, update: Option<&Update>, variances: &[f64], of: &Feature) -> Interval {
         let Some(update) = update else { return of.interval };
         let squares = |parts: &[f64]| parts.iter().map(|part| part * part).sum::<f64>();
+        // Of a zone only the effect of each unknown by itself is at hand, not how the points move: what the readings leave of
+        // each variance counts, not what they leave of the covariances. With the movement A of the points by the unknowns it
+        // would be tr(A P Aᵀ) / tr(A Aᵀ). This ranks the sets only: the chosen one is drawn and cut.
         let share = if of.is_cut {
             let left: f64 = of.effects.iter().zip(variances).map(|(part, left)| part * part * left).sum();
             left / squares(&of.effects).max(f64::MIN_POSITIVE)

@@ -1,4 +1,4 @@
-//! The shortest set of measurements that brings every feature to a verdict.
+//! A short set of measurements that brings every characteristic to a verdict; up to a number of measurements the shortest.
 
 use super::candidate::{Candidate, Shop, Way};
 use super::design::{Block, Readings, of_sights, of_task, task_of};
@@ -34,6 +34,8 @@ impl Rated {
 /// What was chosen.
 #[derive(Default)]
 pub(super) struct Choice {
+    /// Whether every set was compared, and each that promised more failed when it was drawn.
+    pub(super) exact: bool,
     /// Indices of the measurements.
     pub(super) chosen: Vec<usize>,
     pub(super) minutes: f64,
@@ -116,6 +118,12 @@ impl<'s> Search<'s> {
         Some((readings, [minutes, probing]))
     }
 
+    /// Minutes of a measurement by itself.
+    fn minutes(&self, k: usize) -> f64 {
+        let probing = self.tasks.get(&(1 << k)).and_then(Option::as_ref).or(self.alone[k].as_ref());
+        self.candidates[k].minutes + probing.map_or(0.0, |block| block.minutes)
+    }
+
     fn expected(&self, readings: &Readings) -> Vec<Interval> {
         let update = update(readings);
         let variances = update.as_ref().map(|update| update.variances()).unwrap_or_default();
@@ -143,25 +151,30 @@ impl<'s> Search<'s> {
         for k in 0..count {
             self.plan(1 << k);
         }
-        let mut rated = if count <= EXACT { self.all_sets() } else { self.greedy() };
+        let is_every = count <= EXACT;
+        let mut rated = if is_every { self.all_sets() } else { self.greedy() };
         rated.sort_by(Rated::order);
         let unmeasured = self.prior.features.iter().map(|of| of.interval).collect();
         let mut best = Choice { intervals: unmeasured, ..Choice::default() };
         let mut most = None;
+        let mut is_confirmed = rated.len() <= DRAWN;
         for one in rated.iter().take(DRAWN) {
             let Some((readings, [minutes, probing_minutes])) = self.readings(one.set) else { continue };
             let intervals = self.prior.after(&readings)?;
             let features = self.prior.features.iter().zip(&intervals);
             let decided = features.filter(|(of, interval)| is_decided(**interval, of.limits)).count();
-            if most.is_none_or(|most| decided > most) {
+            if most.is_none_or(|most| decided > most || decided == most && minutes < best.minutes) {
                 most = Some(decided);
                 let chosen = members(one.set).collect();
-                best = Choice { chosen, minutes, probing_minutes, readings, intervals, with_all: Vec::new() };
+                best = Choice { chosen, minutes, probing_minutes, readings, intervals, ..Choice::default() };
             }
-            if decided >= one.decided {
+            // The next ones promise no more.
+            if most >= Some(one.decided) {
+                is_confirmed = true;
                 break;
             }
         }
+        best.exact = is_every && is_confirmed;
         best.with_all = self.with_all();
         for (set, _) in self.tasks.iter().filter(|(_, block)| block.is_some()) {
             // Possible together with others.
@@ -215,7 +228,10 @@ impl<'s> Search<'s> {
                 break;
             }
         }
-        for k in (0..count).rev() {
+        // The longest first: leaving out one may make another indispensable.
+        let mut longest: Vec<usize> = members(now.set).collect();
+        longest.sort_by(|a, b| self.minutes(*b).total_cmp(&self.minutes(*a)));
+        for k in longest {
             let fewer = now.set & !(1 << k);
             self.plan(fewer);
             if let Some(rated) = self.rate(fewer).filter(|rated| rated.decided >= now.decided) {

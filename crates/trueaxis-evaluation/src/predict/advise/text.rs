@@ -3,7 +3,7 @@
 use super::instrument::Touching;
 
 /// The task of several artefacts: `machine` is its folder from where the task will be.
-pub(super) fn task_text(machine: &str, probe: &Touching, scatter_mm: f64, artefacts: &[&str]) -> String {
+pub(super) fn task_text(machine: &str, probe: &Touching, scatter_mm: f64, artefacts: &[String]) -> String {
     let machine = toml::Value::from(machine);
     let (dialect, tip) = (&probe.dialect, probe.tip_radius_mm);
     // An axis that repeats badly scatters every touch.
