@@ -2,7 +2,7 @@
 
 use core::mem::MaybeUninit;
 
-const BYTES: usize = 30 << 17;
+const BYTES: usize = 7 << 19;
 
 #[repr(align(16))]
 struct Memory {

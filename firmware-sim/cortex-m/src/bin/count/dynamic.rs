@@ -18,12 +18,11 @@ use trueaxis_recording::outputs::Wire;
 /// Changes the settings of a machine.
 type Configure = fn(&mut MachineSettings);
 
-/// Configurations and their names in the counts: friction on three axes, with feedback, with everything; a screw on each axis.
-const CONFIGURED: [(Configure, &str); 4] = [
+/// Configurations and their names in the counts: friction on three axes, with feedback, with everything.
+const CONFIGURED: [(Configure, &str); 3] = [
     (|machine| ServoParts::Friction.configure(machine), "step_friction"),
     (|machine| ServoParts::Feedback.configure(machine), "step_feedback"),
     (|machine| ServoParts::All.configure(machine), "step_dynamic"),
-    (screws, "step_periodic"),
 ];
 
 /// A screw of 5 mm with an error of 3 µm and its second harmonic on every linear axis.
@@ -66,13 +65,22 @@ fn loops<R: Real, P: Integer>(configure: Configure, arena: &mut Arena) -> &'stat
     arena.keep(loops)
 }
 
-/// Counts the recording.
+/// Counts the recording with dynamic parts.
 pub fn recorded<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
+    record::<R, P>(scalar, &CONFIGURED, arena);
+}
+
+/// Counts the recording with a screw on each axis.
+pub fn periodic<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
+    record::<R, P>(scalar, &[(screws, "step_periodic")], arena);
+}
+
+fn record<R: Real, P: Integer>(scalar: &str, configured: &[(Configure, &str)], arena: &mut Arena) {
     let recording = recording();
     let header = recording.header();
     let spans: &[_] = arena.collect(recording.path::<R, P>());
-    for (configure, name) in CONFIGURED {
-        let loops = loops::<R, P>(configure, arena);
+    for (configure, name) in configured {
+        let loops = loops::<R, P>(*configure, arena);
         let (mut whole, mut middle) = (Tally::default(), Middle::new(arena));
         let mut cycle = DynamicCycle {
             servo: &loops[0],
