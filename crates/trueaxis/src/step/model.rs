@@ -74,16 +74,20 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
     }
 
     /// Models a cycle that stays within its cells on a machine with periods.
-    // Only with periods.
     #[inline(always)]
     fn model_with_periods(&self, state: &State<R, P, N>, sample: &Sample<P, N>) -> Option<Modelled<R, N>> {
-        let periods = self.compensation.periods()?;
-        let (command, feedback) = (first(&self.place(state, sample.command))?, first(sample.feedback)?);
-        let directions = state.reversal.first_chunk()?.map(|reversal| reversal.direction());
-        let places = [&command, &feedback];
-        let (errors, at_edge) =
-            state.cells.errors_with_periods(&self.tables, &state.grids, periods, places, &directions)?;
-        Some(Modelled::of_errors(errors, at_edge))
+        match self.compensation.periods() {
+            None => None,
+            // Only with periods.
+            Some(periods) => {
+                let (command, feedback) = (first(&self.place(state, sample.command))?, first(sample.feedback)?);
+                let directions = state.reversal.first_chunk()?.map(|reversal| reversal.direction());
+                let places = [&command, &feedback];
+                let (errors, at_edge) =
+                    state.cells.errors_with_periods(&self.tables, &state.grids, periods, places, &directions)?;
+                Some(Modelled::of_errors(errors, at_edge))
+            }
+        }
     }
 
     /// Whether no drive has reversed.
