@@ -274,7 +274,7 @@ fn terms_that_a_set_up_cannot_separate_are_named() {
     // Touches at Z −12 are within the travel; the path over the square is not.
     refused(
         format!("{HEAD}{tip}{over}").replace("-150.0", "-12.0"),
-        &["task.toml:11: key artefact.place", "a way between touches with Z at 21", "room above"],
+        &["task.toml:11: key artefact.place", "a way into and out of it at Z 21", "safe_z_mm of at least 21.000"],
     );
     let gauge = "[[artefact]]\nname = \"gauge\"\nkind = \"step gauge\"\nuncertainty_um = 1.0\nsteps_mm = [0.0, 20.0, 29.0]\n\
                  [[artefact.place]]\nat_mm = [100.0, 100.0, -150.0]\n";

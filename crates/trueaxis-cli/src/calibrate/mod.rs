@@ -85,7 +85,7 @@ if one distance on it is known:
   columns = 5
   rows = 5
   pitch_mm = 70.0
-  at_mm = [215.0, 165.0, -200.0]    # of the machine, the tip in its middle, at the depth of the touches
+  at_mm = [215.0, 165.0, -200.0]    # of its middle, at the depth of touches
   [plate.length]                    # of the centres of two of them
   from = [1, 1]                     # column and row
   to = [5, 5]
