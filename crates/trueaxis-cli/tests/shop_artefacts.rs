@@ -259,7 +259,7 @@ fn bad_blocks_are_refused_with_their_line() {
     refused("35.0, 9.0", "35.0, 4.0", &["task.toml:13: key artefact.place.normal", "too low beside a tip of 2 mm"]);
     let low = ["task.toml:13: key artefact.place.normal", "1.5 mm (half of approach_mm) off its place"];
     refused("35.0, 9.0", "35.0, 7.0", &low);
-    refused("-150.0]", "-10.0]", &["task.toml:13: key artefact.place", "within its travel"]);
+    refused("-150.0]", "-10.0]", &["task.toml:13: key artefact.place", "above safe_z_mm (0)", "or a lower place"]);
     let same = "same_as = \"parallel\"\n";
     refused("section_mm", &format!("{same}section_mm"), &["task.toml:10: key artefact.same_as", "above it"]);
     let second = BLOCK[BLOCK.find("[[artefact]]").unwrap()..].replace("\"block\"", "\"second\"");
