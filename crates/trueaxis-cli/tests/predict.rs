@@ -262,7 +262,7 @@ fn advice_on_two_terms_is_the_closed_form_and_its_task_is_planned() {
             assert!(shown.contains(part), "{part}: {shown}");
         }
     }
-    // The task as an instrument of its own is the same measurement.
+    // The written task, stated as an instrument, is the same measurement.
     let laser = INSTRUMENTS.split_inclusive("[\"X\"]\n").next().unwrap();
     let task = "[[instrument]]\nkind = \"task\"\nfile = \"task.toml\"\n";
     advised(&folder, TWO_TERMS, &format!("{laser}{task}"), 0.3);
@@ -369,7 +369,7 @@ fn a_direction_without_uncertain_lost_motion_is_found() {
     assert!(folder.good(&call).contains("two cut in the other direction: "), "{advice}");
 }
 
-/// What is not needed is left out; what no measurement shows is named.
+/// Measurements that are not needed are left out; terms that none of them shows are named.
 #[test]
 fn advice_is_the_shortest_set_or_says_what_is_not_measured() {
     let folder = Folder::new(TRUEAXIS);
@@ -439,7 +439,7 @@ fn advice_without_what_it_needs_is_refused() {
         &format!("{}[probe]\ntip_radius_mm = 0\n", one("kind = \"ball\"")),
         &["part.toml:20", "0.05 to 25 mm"],
     );
-    // Beyond the travel of 200 mm: said, and the rest goes on.
+    // A measurement beyond the travel of 200 mm is reported, and the others are compared.
     advised(&folder, TWO_TERMS, &format!("{INSTRUMENTS}{}", one("kind = \"ballbar\"\nradius_mm = 150")), 0.3);
     let text = folder.good(&["predict", ".", "part.toml", "--advise"]);
     assert!(text.contains("not compared, ballbar XY: found X at") && text.contains("square XY"), "{text}");

@@ -431,6 +431,22 @@ fn a_wrong_centre_names_both_of_its_touches() {
     assert!(refused.contains("touch 57 or 59 on plate"), "{refused}");
 }
 
+/// What is known of every touch of a plan, such as its tip, counts at the centres of the network.
+#[test]
+fn quantities_of_the_touches_are_known_at_the_centres() {
+    let (task, nominal) = (whole(), perfect(&linear(1).machine));
+    let (plan, ideal) = (Plan::new(&task, &nominal).unwrap(), Ideal::new(&nominal).unwrap());
+    let positions: Vec<[f64; AXES]> = plan.touches.iter().map(|touch| touch.end).collect();
+    let tips: Vec<[f64; 3]> = positions.iter().map(|position| ideal.tip(position)).collect();
+    let observed = observe(&task, &nominal, &plan, &positions).unwrap();
+    let found = observed.at_network(&tips);
+    assert_eq!((found.len(), tips.len()), (observed.network.touches.len(), 2 * found.len()));
+    for (found, touch) in found.iter().zip(&observed.network.touches) {
+        let off = (0..3).map(|k| (found[k] - touch.tip_mm[k]).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-9, "{found:?}, needed {:?}", touch.tip_mm);
+    }
+}
+
 /// Entered a few micrometres off the lines of the first placement, or higher, a plate is not moved.
 #[test]
 fn a_placement_off_its_lines_by_micrometres_is_not_moved() {

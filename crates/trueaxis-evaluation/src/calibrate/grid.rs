@@ -14,7 +14,7 @@
 //!
 //! Source: Raugh, Precision Engineering 7 (1985) 3; Ye, Takac, Berglund, Owen and Pease, Precision Engineering 20 (1997) 16.
 
-use super::place::{Place, unit};
+use super::place::{Place, across, printed};
 use super::ranges::{needed, number, whole};
 use trueaxis::machine::Axis;
 use trueaxis_metrology::calibration::{Centre, Surface};
@@ -32,7 +32,7 @@ const MOST: usize = 1000;
 /// A plate of balls or holes of unknown places.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// Whether it has holes; otherwise balls.
+    /// Holes if true, otherwise balls.
     pub holes: bool,
     /// Diameter of every ball or hole, mm.
     pub diameter_mm: f64,
@@ -67,7 +67,7 @@ impl Grid {
         (c - a).hypot(d - b)
     }
 
-    /// What the plate has.
+    /// `hole` or `ball`.
     pub(super) fn word(&self) -> &'static str {
         if self.holes { "hole" } else { "ball" }
     }
@@ -130,7 +130,7 @@ impl Grid {
 
     /// Coordinates of the balls along an axis of the machine in all placements, rising; empty across the plate.
     pub(super) fn lines(&self, places: &[Place], axis: usize) -> Vec<f64> {
-        let along = places.iter().filter(|place| place.normal.index() % 3 != axis);
+        let along = places.iter().filter(|place| in_plane(place).any(|own| own == axis));
         let mut all: Vec<f64> =
             along.flat_map(|place| (0..self.count()).map(|ball| self.centre(place, ball)[axis])).collect();
         all.sort_by(f64::total_cmp);
@@ -139,25 +139,21 @@ impl Grid {
     }
 }
 
-/// What an upright plate needs: the probe comes from its side.
+/// The stylus that an upright plate needs: the probe comes from its side.
 pub(super) fn stylus(place: &Place) -> Option<String> {
     let along = place.normal.index() % 3 != 2;
     along.then(|| format!("needs a stylus that points along {}, towards the plate", place.normal.letter()))
 }
 
-/// Rounds as a program prints it.
-fn printed(mm: f64) -> f64 {
-    (mm * 1e4).round() / 1e4
+/// Axes of the machine in the plane of a placement.
+fn in_plane(place: &Place) -> impl Iterator<Item = usize> + use<> {
+    let normal = place.normal.index() % 3;
+    (0..3).filter(move |axis| *axis != normal)
 }
 
 /// Directions of a plate's columns and rows at a placement.
 pub(super) fn directions(place: &Place) -> [[f64; 3]; 2] {
-    let [u, v] = match place.normal {
-        Axis::X => [1, 2],
-        Axis::Y => [2, 0],
-        _ => [0, 1],
-    }
-    .map(unit);
+    let [u, v] = across(place.normal);
     let minus = |of: [f64; 3]| of.map(|part| if part == 0.0 { 0.0 } else { -part });
     match place.turn % 4 {
         0 => [u, v],
@@ -294,10 +290,10 @@ impl Grid {
         Ok(place)
     }
 
-    /// Puts a placement onto the lines of those before it, from which it is off by less than they are told apart: a few
-    /// micrometres off them, an unmoved plate would look moved.
+    /// Puts a placement that is a few micrometres off the lines of those before it onto them: an unmoved plate would otherwise
+    /// look moved.
     fn snap(&self, place: &mut Place, before: &[Place]) {
-        for axis in (0..3).filter(|axis| *axis != place.normal.index() % 3) {
+        for axis in in_plane(place) {
             let Some(line) = self.lines(before, axis).first().copied() else { continue };
             let first = self.centre(place, 0)[axis];
             let steps = ((first - line) / self.pitch_mm).round();
@@ -307,13 +303,12 @@ impl Grid {
 
     /// Whether two placements in the same plane lie apart in it.
     pub(super) fn apart(&self, one: &Place, other: &Place) -> bool {
-        let axes = (0..3).filter(|axis| *axis != one.normal.index() % 3);
-        axes.map(|axis| one.at_mm[axis] - other.at_mm[axis]).any(|by| by.abs() > SAME * self.pitch_mm)
+        in_plane(one).map(|axis| one.at_mm[axis] - other.at_mm[axis]).any(|by| by.abs() > SAME * self.pitch_mm)
     }
 
     /// Axis and pitches by which a placement is off the lines of those before it.
     fn off_lines(&self, place: &Place, before: &[Place]) -> Option<(usize, f64)> {
-        (0..3).filter(|axis| *axis != place.normal.index() % 3).find_map(|axis| {
+        in_plane(place).find_map(|axis| {
             let line = *self.lines(before, axis).first()?;
             let by = (self.centre(place, 0)[axis] - line) / self.pitch_mm;
             let off = (by - by.round()).abs();

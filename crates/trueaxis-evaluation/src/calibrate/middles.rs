@@ -41,8 +41,12 @@ fn is_opposite(one: &Planned, other: &Planned) -> bool {
     (one.artefact, one.place, one.feature) == (other.artefact, other.place, other.feature) && cosine < -0.99
 }
 
+/// The mean of two vectors.
+pub(super) fn middle(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| 0.5 * (a[k] + b[k]))
+}
+
 fn merge(first: &mut Touch, second: Touch) {
-    let middle = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
     first.tip_mm = middle(first.tip_mm, second.tip_mm);
     for (one, other) in first.response.iter_mut().zip(second.response) {
         *one = middle(*one, other);

@@ -6,13 +6,13 @@ use super::dial::{Dial, DialKind, Named};
 use super::faces::{self, Sizes};
 use super::grid::Grid;
 use super::kinematics::Ideal;
-use super::middles::{middles, way};
-use super::place::Place;
+use super::middles::{middle, middles, way};
+use super::place::{Place, across};
 use super::plan::{Plan, Planned};
 use super::sheet::reading;
 use super::task::Task;
 use super::terms::{Pose, Terms, perfect};
-use super::touches::{across, row, square_directions, unit};
+use super::touches::{row, square_directions, unit};
 use anyhow::Result;
 use std::ops::Range;
 use trueaxis::machine::AXES;
@@ -62,9 +62,21 @@ impl Observed {
 }
 
 impl Observed {
+    /// A quantity of the plan's touches, at those of the network: the mean of both touches of a centre.
+    pub fn at_network(&self, of_touches: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let at = |touch: usize| of_touches.get(touch).copied().unwrap_or_default();
+        let both = self.planned.iter().zip(&self.opposites);
+        both.map(|(one, other)| other.map_or(at(*one), |other| middle(at(*one), at(other)))).collect()
+    }
+
+    /// The first touch of the plan that a touch of the network belongs to.
+    pub(super) fn first(&self, touch: usize) -> usize {
+        self.planned.get(touch).copied().unwrap_or(touch)
+    }
+
     /// Numbers of the touches of the plan that a touch of the network belongs to, from 1.
     pub(super) fn numbers(&self, touch: usize) -> String {
-        let number = self.planned.get(touch).copied().unwrap_or(touch) + 1;
+        let number = self.first(touch) + 1;
         match self.opposites.get(touch).copied().flatten() {
             Some(opposite) => format!("{number} or {}", opposite + 1),
             None => number.to_string(),

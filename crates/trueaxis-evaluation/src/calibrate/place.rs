@@ -5,9 +5,8 @@ use trueaxis::machine::Axis;
 /// Where an artefact is set up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// X, Y, Z of the machine with the tip's centre at the artefact's origin: centre of a ring or ball, first ball of a ball plate, middle of a
-    /// plate of unknown places,
-    /// first face of a gauge, corner of a square; mm.
+    /// X, Y, Z of the machine with the tip's centre at the artefact's origin: centre of a ring or ball, first ball of a ball
+    /// plate, middle of a plate of unknown places, first face of a gauge, corner of a square; mm.
     pub at_mm: [f64; 3],
     /// All but balls: direction normal to it (gauge: to its row), along which the probe retracts.
     pub normal: Axis,
@@ -31,4 +30,19 @@ pub struct Place {
 /// Direction of a linear axis, 0 to 2.
 pub(super) fn unit(axis: usize) -> [f64; 3] {
     std::array::from_fn(|k| f64::from(u8::from(k == axis)))
+}
+
+/// Two directions that make a right-handed system with a third.
+pub(super) fn across(normal: Axis) -> [[f64; 3]; 2] {
+    match normal {
+        Axis::X => [1, 2],
+        Axis::Y => [2, 0],
+        _ => [0, 1],
+    }
+    .map(unit)
+}
+
+/// Rounds to a tenth of a micrometre, as a program prints a position.
+pub(super) fn printed(mm: f64) -> f64 {
+    (mm * 1e4).round() / 1e4
 }

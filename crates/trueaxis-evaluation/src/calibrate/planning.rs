@@ -4,7 +4,7 @@ use super::artefact::{Artefact, Kind};
 use super::dial::pose;
 use super::faces;
 use super::kinematics::Ideal;
-use super::place::Place;
+use super::place::{Place, printed};
 use super::plan::{Plan, Planned, Step, Visit};
 use super::reach::{check_safe_z, check_steps, check_travel, check_ways, key_of};
 use super::sheet;
@@ -229,8 +229,8 @@ impl Way<'_> {
                 artefact,
                 place,
                 feature: target.feature,
-                start: whole(start).map(micrometre),
-                end: whole(end).map(micrometre),
+                start: whole(start).map(printed),
+                end: whole(end).map(printed),
                 take_up: before,
                 reverse,
                 time_s: self.time_s,
@@ -245,7 +245,7 @@ impl Way<'_> {
     }
 
     fn feed(&mut self, to: [f64; 3]) {
-        let to = to.map(micrometre);
+        let to = to.map(printed);
         let far: f64 = (0..3).map(|k| (to[k] - self.at[k]).powi(2)).sum::<f64>().sqrt();
         if far < 1e-6 && self.plan.steps.len() > 1 {
             return;
@@ -256,17 +256,12 @@ impl Way<'_> {
     }
 
     fn rapid(&mut self, to: [Option<f64>; AXES]) {
-        let to = to.map(|value| value.map(micrometre));
+        let to = to.map(|value| value.map(printed));
         let far: f64 = (0..3).map(|k| (to[k].unwrap_or(self.at[k]) - self.at[k]).powi(2)).sum::<f64>().sqrt();
         self.time_s += 60.0 * far / RAPID;
         (0..AXES).for_each(|k| self.at[k] = to[k].unwrap_or(self.at[k]));
         self.plan.steps.push(Step::Rapid(to));
     }
-}
-
-/// Rounds as the program prints it.
-fn micrometre(value: f64) -> f64 {
-    (value * 1e4).round() / 1e4
 }
 
 /// Checksum of the touch positions and of what else tells two plans apart.

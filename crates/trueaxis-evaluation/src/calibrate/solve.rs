@@ -204,7 +204,7 @@ fn touches_hold(source: &Source<'_>, observed: &Observed, solution: &Solution) -
     let worst = solution.residuals_mm.iter().enumerate().max_by(|one, other| one.1.abs().total_cmp(&other.1.abs()));
     match worst {
         Some((touch, residual)) if residual.abs() > limit => {
-            let (numbers, touch) = (observed.numbers(touch), observed.planned[touch]);
+            let (numbers, touch) = (observed.numbers(touch), observed.first(touch));
             let found = format!(
                 "{} {numbers} on {} {:.1} µm off the position by the others",
                 source.task.word(),

@@ -76,12 +76,12 @@ impl Source<'_> {
             }
             CalibrationRefusal::Unsettled { touch, residual_mm } => {
                 let (word, numbers) = (self.task.word(), observed.numbers(touch));
-                let touch = observed.planned.get(touch).copied().unwrap_or(touch);
+                let touch = observed.first(touch);
                 let found = format!("{word} {numbers} {residual_mm:.3} mm off {}", self.name(touch));
                 self.error(self.line(touch), found, format!("every {word} on the artefact that the task names"))
             }
             CalibrationRefusal::NotFinite { touch } => {
-                self.error(self.line(touch), "a position that is not a number", "numbers")
+                self.error(self.line(observed.first(touch)), "a position that is not a number", "numbers")
             }
             CalibrationRefusal::TooFew { found, needed } => {
                 self.error(None, format!("{found} {}", self.task.words()), format!("at least {needed}"))

@@ -4,7 +4,7 @@ use super::artefact::Kind;
 use super::faces;
 use super::grid::Grid;
 use super::kinematics::Ideal;
-use super::place::{self, Place};
+use super::place::{self, Place, across};
 use super::target::{CLEAR_ABOVE, Target, clear_mm};
 use super::task::Task;
 use anyhow::Result;
@@ -27,15 +27,6 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
     [b * z - c * y, c * x - a * z, a * y - b * x]
-}
-
-/// Two directions that make a right-handed system with a third.
-pub(super) fn across(normal: Axis) -> [[f64; 3]; 2] {
-    match normal {
-        Axis::X => [unit(Axis::Y), unit(Axis::Z)],
-        Axis::Y => [unit(Axis::Z), unit(Axis::X)],
-        _ => [unit(Axis::X), unit(Axis::Y)],
-    }
 }
 
 /// Touches of a place; with `check_only`, only the few that show whether it has moved.

@@ -29,7 +29,7 @@ pub(super) fn words(plate: &Artefact, grid: &Grid, observed: &Observed, free: &C
     let linear = is_free(|term| matches!(term, Term::Squareness(_) | Term::Curve { degree: 1, .. }));
     let mut lacking: Vec<[String; 2]> = Vec::new();
     let mut lacks = |reason: &str, needed: String| lacking.push([reason.to_owned(), needed]);
-    let is_turned = plate.places.iter().any(|place| turned(place, &plate.places));
+    let is_turned = is_turned(&plate.places);
     if linear && !is_turned {
         lacks(
             "without the turned placement squareness and the ratio of the scales cannot be told from the plate's own skew and \
@@ -37,7 +37,7 @@ pub(super) fn words(plate: &Artefact, grid: &Grid, observed: &Observed, free: &C
             format!("a [[plate.placement]] with {}", turning(grid, &plate.places)),
         );
     }
-    let is_moved = plate.places.iter().any(|place| moved(grid, place, &plate.places));
+    let is_moved = is_moved(grid, &plate.places);
     if shaped && !is_moved {
         lacks(
             "without a moved placement a shape that repeats itself turned cannot be told from the places of the plate's own \
@@ -78,13 +78,18 @@ fn turning(grid: &Grid, places: &[Place]) -> String {
     format!("turn_deg = {deg}{aside}")
 }
 
-/// Whether one of the placements in the same plane is turned by a quarter from a placement.
-fn turned(place: &Place, all: &[Place]) -> bool {
-    all.iter().any(|other| other.normal == place.normal && (other.turn + place.turn) % 2 == 1)
+/// Whether two placements in one plane are a quarter turn apart.
+fn is_turned(places: &[Place]) -> bool {
+    is_any_pair(places, |one, other| (one.turn + other.turn) % 2 == 1)
 }
 
-/// Whether placements in the same plane, turned alike, lie apart.
-fn moved(grid: &Grid, place: &Place, all: &[Place]) -> bool {
-    let plane = || all.iter().filter(|other| other.normal == place.normal);
-    plane().any(|one| plane().any(|other| one.turn == other.turn && grid.apart(one, other)))
+/// Whether two placements in one plane are turned alike and lie apart.
+fn is_moved(grid: &Grid, places: &[Place]) -> bool {
+    is_any_pair(places, |one, other| one.turn == other.turn && grid.apart(one, other))
+}
+
+fn is_any_pair(places: &[Place], is: impl Fn(&Place, &Place) -> bool) -> bool {
+    let mut pairs =
+        places.iter().enumerate().flat_map(|(index, one)| places[..index].iter().map(move |other| (one, other)));
+    pairs.any(|(one, other)| one.normal == other.normal && is(one, other))
 }

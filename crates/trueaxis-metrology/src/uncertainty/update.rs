@@ -23,12 +23,7 @@ pub struct Update {
 impl Update {
     /// The rows of D, and R row by row; `None` if R or S is not positive definite or a row has another length.
     pub fn new(design: &[Vec<f64>], noise: &[Vec<f64>]) -> Option<Update> {
-        let (rows, count) = (design.len(), design.first()?.len());
-        if noise.len() != rows || design.iter().any(|row| row.len() != count) || noise.iter().any(|r| r.len() != rows) {
-            return None;
-        }
-        let design = DMatrix::from_fn(rows, count, |row, column| design[row][column]);
-        let noise = DMatrix::from_fn(rows, rows, |row, column| noise[row][column]);
+        let [design, noise] = matrices(design, noise)?;
         let sum = Cholesky::new(&design * design.transpose() + &noise)?;
         Some(Update { design, noise: Cholesky::new(noise)?.l(), sum })
     }
@@ -70,21 +65,25 @@ impl Update {
     }
 }
 
+/// D and R as matrices; `None` if there is no row or one of another length.
+fn matrices(design: &[Vec<f64>], noise: &[Vec<f64>]) -> Option<[DMatrix<f64>; 2]> {
+    let (rows, count) = (design.len(), design.first()?.len());
+    let is_whole = noise.len() == rows && design.iter().all(|row| row.len() == count);
+    let whole = |of: &[Vec<f64>], columns| DMatrix::from_fn(rows, columns, |row, column| of[row][column]);
+    (is_whole && noise.iter().all(|row| row.len() == rows)).then(|| [whole(design, count), whole(noise, rows)])
+}
+
 /// Singular value of a whitened design below which a combination of readings says nothing: it would leave 99.9 % of a variance.
 const NOTHING: f64 = 0.03;
 
 /// As few independent readings of unit variance as say the same about quantities of unit variance: the rows of their design.
 /// `None` as in [`Update::new`].
 pub fn condensed(design: &[Vec<f64>], noise: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
-    let (rows, count) = (design.len(), design.first()?.len());
-    if noise.len() != rows || design.iter().any(|row| row.len() != count) || noise.iter().any(|r| r.len() != rows) {
-        return None;
-    }
-    let factor = Cholesky::new(DMatrix::from_fn(rows, rows, |row, column| noise[row][column]))?.l();
-    let white = factor.solve_lower_triangular(&DMatrix::from_fn(rows, count, |row, column| design[row][column]))?;
+    let [design, noise] = matrices(design, noise)?;
+    let white = Cholesky::new(noise)?.l().solve_lower_triangular(&design)?;
     // Of the smaller of the two Gram matrices: rows are fewer than quantities.
     let own = (&white * white.transpose()).symmetric_eigen();
-    let shows = (0..rows).filter(|k| own.eigenvalues[*k] > NOTHING * NOTHING);
+    let shows = (0..white.nrows()).filter(|k| own.eigenvalues[*k] > NOTHING * NOTHING);
     Some(shows.map(|k| (own.eigenvectors.column(k).transpose() * &white).as_slice().to_vec()).collect())
 }
 

@@ -30,7 +30,7 @@ pub(super) enum Way {
     Artefact(Placed),
     /// Readings of an instrument.
     Read(Sights),
-    /// A task of its own.
+    /// A task of the owner's.
     Task(Box<Task>),
 }
 
@@ -102,8 +102,8 @@ impl Shop<'_> {
             }),
             InstrumentKind::Ballbar => each(&|axis| {
                 let (low, r) = (Sights::below(axis) * of.size_mm, of.size_mm);
-                let room = std::array::from_fn(|k| if k == axis.index() { [0.0; 2] } else { [r; 2] });
-                let mut room: [[f64; 2]; 3] = room;
+                let mut room: [[f64; 2]; 3] =
+                    std::array::from_fn(|k| if k == axis.index() { [0.0; 2] } else { [r; 2] });
                 room[2][0] = if axis == Axis::Z { 0.0 } else { low };
                 let sights = Sights::circle(self.machine, of, axis, self.place(of, room), self.scatter_mm);
                 (format!("{} {}", of.name, plane(axis)), Way::Read(sights))

@@ -1,4 +1,4 @@
-//! What measurements say about the uncertain quantities of a machine.
+//! What measurements tell about the uncertain quantities of a machine.
 
 use super::candidate::{Candidate, Shop, grouped};
 use super::sights::{FOUND, RESULTS, Sights};
@@ -11,7 +11,6 @@ use std::path::Path;
 use trueaxis_metrology::cores::*;
 use trueaxis_metrology::linear_fit::LinearFit;
 use trueaxis_metrology::uncertainty::condensed;
-use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
 
 /// Readings of unit variance: derivatives with respect to the unknowns.
@@ -100,7 +99,7 @@ fn evaluated(sights: &Sights, design: &[Vec<f64>]) -> (Vec<Vec<f64>>, Vec<Vec<f6
 /// # Errors
 /// A task that the machine cannot do, or whose artefacts cannot separate its terms.
 pub(super) fn of_task(model: &Model<'_>, unknowns: &[Unknown], task: &Task) -> Result<Block> {
-    let nominal: &Machine = model.machine;
+    let nominal = model.machine;
     let plan = Plan::new(task, nominal)?;
     let positions = planned(task, &plan);
     let corrected = Task { compensated: true, ..task.clone() };
@@ -111,22 +110,18 @@ pub(super) fn of_task(model: &Model<'_>, unknowns: &[Unknown], task: &Task) -> R
         Pose { position: ideal.ordered(position), reverse: ideal.ordered(&[x, y, z, 0.0, 0.0, 0.0]) }
     };
     let poses: Vec<Pose> = plan.touches.iter().zip(&positions).map(pose).collect();
-    crate::calibrate::foresee_observed(&corrected, &plan, observed.clone())?;
-    let shown = observed.network.shown(&moved(model, unknowns, &poses)?).map_err(|refused| anyhow!("{refused}"))?;
+    let observed = crate::calibrate::foresee_observed(&corrected, &plan, observed)?.observed;
+    let moved: Vec<_> = moved(model, unknowns, &poses)?.iter().map(|of| observed.at_network(of)).collect();
+    let shown = observed.network.shown(&moved).map_err(|refused| anyhow!("{refused}"))?;
     let readings = if shown.design.is_empty() { None } else { condensed(&shown.design, &shown.covariance) };
     Ok(Block { readings: readings.unwrap_or_default(), minutes: plan.minutes() })
 }
 
-/// The task of these artefacts.
+/// The task of these artefacts; its machine is the predicted one, whatever the text names.
 ///
 /// # Errors
 /// As [`Task::read`].
-pub(super) fn task_of(shop: &Shop<'_>, machine: &str, chosen: &[&Candidate]) -> Result<Option<(String, Task)>> {
-    let artefacts = grouped(chosen.iter().copied());
-    if artefacts.is_empty() {
-        return Ok(None);
-    }
-    let text = task_text(machine, shop.probe, shop.scatter_mm, &artefacts);
-    let task = Task::read(&text, Path::new("the advised task"))?;
-    Ok(Some((text, task)))
+pub(super) fn task_of<'a>(shop: &Shop<'_>, chosen: impl Iterator<Item = &'a Candidate>) -> Result<Task> {
+    let text = task_text("machine", shop.probe, shop.scatter_mm, &grouped(chosen));
+    Ok(Task::read(&text, Path::new("the advised task"))?)
 }

@@ -8,12 +8,12 @@
 //!
 //! The readings of a laser are those of each position, with zero and length as further noise. Those of a ballbar are squareness,
 //! difference of the scales and lost motion by least squares, those of a probe the terms that `calibrate` finds in one task of
-//! all artefacts: D is what each term shows of a quantity by least squares, R the covariance that the fit foresees. Quantities that differ from approach to approach, and those that
-//! act by their squares, are not measured.
+//! all artefacts: D is what each term shows of a quantity by least squares, R the covariance that the fit foresees. Quantities
+//! that differ from approach to approach, and those that act by their squares, are not measured.
 //!
 //! The set has most verdicts in a short time; the expected verdict is that at the predicted value. Up to 12 measurements
-//! every set is compared, and the shortest found; beyond that measurements are added by gain per minute. The chosen set is drawn: each machine is
-//! measured, and its part cut with what the readings do not explain.
+//! every set is compared, and the shortest found; beyond that measurements are added by gain per minute. The chosen set is
+//! drawn: each machine is measured, and its part cut with what the readings do not explain.
 
 mod candidate;
 mod design;
@@ -30,7 +30,7 @@ pub use document::{Advice, Advised, AdvisedTask, Directed, Elsewhere, Left, Meas
 pub use instrument::{Instrument, InstrumentKind, Touching};
 
 use super::verdict::verdict_of;
-use super::{Options, Part, PredictDocument, Prepared, State, responses};
+use super::{Part, PredictDocument, Prepared, State, responses};
 use crate::calibrate::Task;
 use crate::predict::cut::Cut;
 use crate::predict::unknowns::{Model, Unknown};
@@ -65,7 +65,6 @@ pub fn advise(
     predicted: &PredictDocument,
     read: &dyn Fn(&str) -> Result<Task>,
 ) -> Result<Advice> {
-    let Options { trials, seed } = Options { trials: predicted.trials, seed: predicted.seed };
     if predicted.features.iter().any(|of| of.known.is_none()) {
         let keys: Vec<&str> = predicted.not_stated.iter().map(String::as_str).take(KEYS).collect();
         let more = predicted.not_stated.len().saturating_sub(KEYS);
@@ -84,7 +83,7 @@ pub fn advise(
     }
     let prepared = Prepared::new(machine, stated, program, part)?;
     let model = prepared.model(machine, part);
-    let prior = prior_of(&model, predicted, [trials, seed])?;
+    let prior = prior_of(&model, predicted)?;
     let [low, high] = extent(model.cuts);
     let shop = Shop {
         machine,
@@ -125,7 +124,7 @@ pub fn elsewhere(
     Ok(Elsewhere { directions: asked.directions(predicted)?, ..asked.place(room)? })
 }
 
-fn prior_of<'m>(model: &'m Model<'m>, predicted: &PredictDocument, [trials, seed]: [u64; 2]) -> Result<Prior<'m>> {
+fn prior_of<'m>(model: &'m Model<'m>, predicted: &PredictDocument) -> Result<Prior<'m>> {
     let unknowns: Vec<Unknown> = model.all_unknowns();
     let at_zero = model.cut(&model.nothing(), State::Corrected)?;
     let responses = responses(model, &unknowns, &at_zero)?;
@@ -134,7 +133,7 @@ fn prior_of<'m>(model: &'m Model<'m>, predicted: &PredictDocument, [trials, seed
         let derivatives = responses.iter().map(|of| of.derivatives[index]).collect();
         [derivatives, responses.iter().map(|of| of.contributions[index]).collect()]
     })?;
-    Ok(Prior { model, unknowns, features, trials, seed })
+    Ok(Prior { model, unknowns, features, trials: predicted.trials, seed: predicted.seed })
 }
 
 /// Lowest and highest positions of X, Y, Z on the part's features.

@@ -86,11 +86,9 @@ impl<'s> Search<'s> {
         if artefacts == 0 || self.tasks.contains_key(&artefacts) {
             return;
         }
-        let chosen: Vec<&Candidate> = members(artefacts).map(|k| &self.candidates[k]).collect();
-        let block = task_of(self.shop, "machine", &chosen).and_then(|task| match task {
-            Some((_, task)) => of_task(self.prior.model, &self.prior.unknowns, &task),
-            None => Ok(Block { readings: Vec::new(), minutes: 0.0 }),
-        });
+        let chosen = members(artefacts).map(|k| &self.candidates[k]);
+        let task = task_of(self.shop, chosen);
+        let block = task.and_then(|task| of_task(self.prior.model, &self.prior.unknowns, &task));
         if let (1, Err(why)) = (artefacts.count_ones(), &block) {
             self.refused[artefacts.trailing_zeros() as usize] = Some(format!("{why:#}"));
         }
