@@ -25,6 +25,7 @@ mod cut;
 mod document;
 mod find;
 mod fit;
+mod locate;
 mod part;
 mod shown;
 mod unknowns;
@@ -79,7 +80,7 @@ impl Default for Options {
 ///
 /// # Errors
 /// A number of draws out of its range; a part without tolerances; a machine without X, Y or Z, or that the model refuses; a
-/// program that turns rotary axes or leaves the travel; features that their lines do not cut; datums that are not made before
+/// program that turns axes that the machine does not have or leaves the travel; features that their lines do not cut; datums that are not made before
 /// the features that refer to them.
 pub fn predict(
     machine: &Machine,
