@@ -173,11 +173,7 @@ fn set_ups_and_tools_that_cannot_be_are_refused() {
         ("turned_deg = [180, 0, 0]", "turned_deg = [180, 0]", "turned_deg"),
         ("uncertainty_um = [4, 3, 6]", "uncertainty_um = [4, -3, 6]", "three standard uncertainties, 0 to 10000 um"),
         ("datums = [\"front\", \"left\"]", "datums = [\"front\", \"front\"]", "none of them twice"),
-        (
-            "feature = \"rear\"\nkind = \"distance\"",
-            "feature = \"rear\"\nkind = \"parallelism\"\ndatums = [\"hole\"]",
-            "from",
-        ),
+        ("kind = \"hole\"\n", "kind = \"hole\"\nside = \"inside\"\n", "side"),
     ] {
         let wrong = text.replacen(from, to, 1);
         assert_ne!(wrong, text, "{from}");
