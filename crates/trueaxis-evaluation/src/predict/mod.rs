@@ -26,6 +26,7 @@ mod document;
 mod find;
 mod fit;
 mod fixture;
+mod gear;
 mod locate;
 mod part;
 mod shown;
@@ -39,6 +40,7 @@ pub use advise::{
 pub use document::{Contribution, Known, PredictDocument, Predicted};
 pub use find::{find, sections};
 pub use fixture::{Setup, Side, Tool};
+pub use gear::{FlankDeviation, GearFlank};
 pub use part::{Characteristic, Feature, FeatureKind, Part, Tolerance};
 
 use crate::uncertainty::terms::Terms;
