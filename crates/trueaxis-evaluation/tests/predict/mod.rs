@@ -4,6 +4,7 @@ mod advised;
 mod measured;
 mod plant;
 mod setups;
+mod thirty;
 mod trunnion;
 
 use measured::{along, circle, flatness, hole, levelled, line};
