@@ -1,6 +1,7 @@
 //! The points of a part's features, with the axes where the drives bring them while cutting.
 
 use super::part::{Feature, FeatureKind, Part};
+use super::temperature::{Lines, Warm};
 use crate::compensate::{Model, NoCorrection, Place, Settings, with_model};
 use crate::positions::{Travel, in_order};
 use crate::uncertainty::terms::Along;
@@ -32,6 +33,10 @@ pub(super) struct Point {
     pub(super) corrected: Reached,
     /// Ideal pose.
     commanded: Commanded,
+    /// Move of the program, and parameter on its curve.
+    pub(super) place: (usize, f64),
+    /// Growth of the axes when it is cut.
+    growth: Lines,
 }
 
 /// Where the drives bring the axes at a point.
@@ -101,6 +106,7 @@ impl Point {
             let index = one.axis.index();
             sent[index] += one.moves(reached.sent[index], reached.reverse[index]);
         }
+        sent.iter_mut().zip(reached.sent).zip(&self.growth).for_each(|((to, at), growth)| *to += growth.at(at));
         let slots = |by_axis| in_order(machine.settings.axes.iter().map(|own| own.axis), by_axis);
         let tip = geometry.pose_error_of(&self.commanded, &slots(&sent), &slots(&reached.reverse)).tip_mm;
         self.nominal + DVec3::from(tip)
@@ -112,7 +118,12 @@ impl Point {
 ///
 /// # Errors
 /// A machine without X, Y or Z; a program that turns rotary axes or leaves the travel; features that its lines do not cut.
-pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Result<(Vec<Cut>, Clipped)> {
+pub(super) fn features(
+    machine: &Machine,
+    program: &Program,
+    part: &Part,
+    warm: Option<&Warm<'_>>,
+) -> Result<(Vec<Cut>, Clipped)> {
     linear_only(program)?;
     has_linear(machine)?;
     let mut cuts = part.features.iter().map(|feature| found(program, part, feature)).collect::<Result<Vec<_>>>()?;
@@ -131,12 +142,14 @@ pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Res
                 let mut command = [0.0; AXES];
                 command[..3].copy_from_slice(&(nominal + DVec3::from(part.at_mm)).to_array());
                 within_travel(machine, program, step, &command)?;
-                let ([uncorrected, corrected], wanted) = drives.reach(command)?;
+                let place = (index, u);
+                let growth = warm.map(|warm| warm.at(place)).unwrap_or_default();
+                let ([uncorrected, corrected], wanted) = drives.reach(command, &growth)?;
                 let commanded =
                     geometry.commanded(&in_order(machine.settings.axes.iter().map(|own| own.axis), &command));
                 if is_feature {
                     clipped.add(&machine.settings, &command, &wanted);
-                    let point = Point { nominal, uncorrected, corrected, commanded };
+                    let point = Point { nominal, uncorrected, corrected, commanded, place, growth };
                     cuts.iter_mut().filter(|cut| used(cut)).for_each(|cut| cut.points.push(point.clone()));
                 }
             }
@@ -233,12 +246,16 @@ impl<'m> Drives<'m> {
     }
 
     /// Positions and directions, without and with correction, and the correction without its limits.
-    fn reach(&mut self, command: [f64; AXES]) -> Result<([Reached; 2], [f64; AXES])> {
+    fn reach(&mut self, command: [f64; AXES], growth: &Lines) -> Result<([Reached; 2], [f64; AXES])> {
         let reverse = |all: [Direction; AXES]| all.map(|one| if one == Direction::POSITIVE { 0.0 } else { 1.0 });
         let directions = self.uncorrected.arrive(&command, |_| Ok::<_, NoCorrection>([0.0; AXES]))?;
         let uncorrected = Reached { sent: command, reverse: reverse(directions) };
         let (model, most) = (self.model, self.most);
-        let wanted = |&directions: &[Direction; AXES]| model.correction(&Place { command, directions });
+        let wanted = |&directions: &[Direction; AXES]| {
+            let cold = model.correction(&Place { command, directions })?;
+            let whole = |index: usize| cold[index] + growth[index].correction(command[index] + cold[index]);
+            Ok::<_, NoCorrection>(std::array::from_fn(whole))
+        };
         let limited = |wanted: [f64; AXES]| std::array::from_fn(|index| wanted[index].clamp(-most[index], most[index]));
         let directions = self.corrected.arrive(&command, |directions| wanted(directions).map(limited))?;
         let wanted = wanted(&directions)?;

@@ -2,6 +2,7 @@
 
 use super::Options;
 use super::advise::document::Advice;
+use super::temperature::TemperatureDocument;
 use super::unknowns::Model;
 use super::verdict::verdict_of;
 use serde::Serialize;
@@ -31,6 +32,9 @@ pub struct PredictDocument {
     pub seed: u64,
     /// A toleranced characteristic each, in the order of the part.
     pub features: Vec<Predicted>,
+    /// Temperatures while the part is cut, where they are known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<TemperatureDocument>,
     /// Keys of the machine that are not stated; their uncertainty counts as zero.
     pub not_stated: Vec<String>,
     /// Remarks: on the machine's uncertainties, and on limits that reduce its correction.
@@ -129,6 +133,7 @@ impl PredictDocument {
             trials,
             seed,
             features: features.collect(),
+            temperature: None,
             not_stated: model.terms.not_stated.clone(),
             warnings: model.terms.warnings.clone(),
             advice: None,

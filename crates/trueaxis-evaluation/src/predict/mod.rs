@@ -15,7 +15,8 @@
 //! the derivatives. 200 of them are also cut by exact transforms and fitted again. Where the two differ, as for the width of
 //! a zone, which cannot fall below zero, all draws are cut that way in place of the derivatives.
 //!
-//! The result excludes the servo, the temperature, the tool and the process.
+//! [`temperature`] adds the growth of machine and part where temperatures are known. The result excludes the servo, the tool
+//! and the process.
 //!
 //! Sources: JCGM 101:2008, clause 7; ISO 14253-1:2017, clause 5; ISO 1101:2017 (zones); ISO 5459:2011 (datums).
 
@@ -27,6 +28,8 @@ mod find;
 mod fit;
 mod part;
 mod shown;
+mod temperature;
+mod times;
 mod unknowns;
 mod verdict;
 
@@ -37,12 +40,18 @@ pub use advise::{
 pub use document::{Contribution, Known, PredictDocument, Predicted};
 pub use find::{find, sections};
 pub use part::{Characteristic, Feature, FeatureKind, Part, Tolerance};
+pub use temperature::{
+    AxisGrowth, Expansion, Growth, GrowthModel, PartTemperature, SensorTemperature, Start, TEMPERATURES,
+    TemperatureDocument, TemperatureRecord,
+};
 
 use crate::uncertainty::terms::Terms;
 use anyhow::{Result, bail};
-use cut::{Cut, State};
+use cut::{Cut, Point, State};
 use document::Outcome;
 use fit::Nominal;
+use std::cmp::Ordering;
+use temperature::Warm;
 use trueaxis_metrology::cores::*;
 use trueaxis_sim::program::{Program, ProgramError};
 use trueaxis_tables::Machine;
@@ -96,7 +105,8 @@ pub fn predict(
     let nothing = model.nothing();
     let [uncorrected, corrected] = [model.cut(&nothing, State::Uncorrected)?, model.cut(&nothing, State::Corrected)?];
     let outcomes = if model.terms.all.is_empty() { Vec::new() } else { outcomes(&model, &corrected, options)? };
-    Ok(PredictDocument::new(&model, program, options, [&uncorrected, &corrected], outcomes))
+    let document = PredictDocument::new(&model, program, options, [&uncorrected, &corrected], outcomes);
+    Ok(PredictDocument { temperature: prepared.temperature, ..document })
 }
 
 /// The features of a part on a machine, and what is not known of it.
@@ -104,6 +114,7 @@ struct Prepared {
     cuts: Vec<Cut>,
     nominal: Vec<Nominal>,
     terms: Terms,
+    temperature: Option<TemperatureDocument>,
 }
 
 impl Prepared {
@@ -113,18 +124,38 @@ impl Prepared {
         if part.tolerances.is_empty() {
             bail!("{}: key tolerance: found nothing, needed at least one section [[tolerance]]", part.file.display());
         }
-        let (cuts, clipped) = cut::features(machine, program, part)?;
+        let growth = part.growth_on(machine)?;
+        let warm = growth.as_deref().map(|growth| Warm::new(growth, machine, program)).transpose()?;
+        let (cuts, clipped) = cut::features(machine, program, part, warm.as_ref())?;
         let nominal = nominal(program, part, &cuts)?;
         characteristic::check(part, &nominal)?;
         datums_first(part, &cuts)?;
         let mut terms = Terms::stated(machine, stated);
         terms.warnings.extend(clipped.notes(&machine.settings, "point"));
-        Ok(Prepared { cuts, nominal, terms })
+        let temperature = temperature_of(&mut terms, (machine, stated), (part, &cuts), warm.as_ref())?;
+        Ok(Prepared { cuts, nominal, terms, temperature })
     }
 
     fn model<'m>(&'m self, machine: &'m Machine, part: &'m Part) -> Model<'m> {
         Model { machine, part, cuts: &self.cuts, nominal: &self.nominal, terms: &self.terms }
     }
+}
+
+/// Adds what is not known of the temperatures to the terms; the temperatures as a document.
+fn temperature_of(
+    terms: &mut Terms,
+    known: (&Machine, &Uncertainties),
+    (part, cuts): (&Part, &[Cut]),
+    warm: Option<&Warm<'_>>,
+) -> Result<Option<TemperatureDocument>> {
+    let points = || cuts.iter().flat_map(|cut| &cut.points);
+    let span = warm.map(|warm| warm.span(points().map(|point| point.place))).transpose()?;
+    let growth = warm.map(|warm| warm.growth).zip(span);
+    temperature::add_terms(terms, known, growth, (part.temperature.part.as_ref(), part.at_mm));
+    let by_place = |one: &&Point, other: &&Point| one.place.partial_cmp(&other.place).unwrap_or(Ordering::Equal);
+    let ends = [points().min_by(by_place), points().max_by(by_place)];
+    let at = ends.map(|point| point.map_or_else(Default::default, |point| point.uncorrected.sent));
+    Ok(temperature::document(growth, &part.temperature, at))
 }
 
 fn nominal(program: &Program, part: &Part, cuts: &[Cut]) -> Result<Vec<Nominal>> {

@@ -1,6 +1,7 @@
 //! Tables of a predicted part.
 
 use super::advise::document::Advice;
+use super::temperature::TemperatureDocument;
 use super::{Known, PredictDocument, Predicted};
 use crate::shown::{Cell, EXPANDED, Shown, Table};
 use trueaxis_metrology::uncertainty::Interval;
@@ -39,18 +40,21 @@ impl PredictDocument {
             let advice = self.advice.as_ref().map_or_else(String::new, |advice| format!(" {}.", advice.sentence()));
             format!("{}.{advice}", parts.collect::<Vec<_>>().join(", "))
         };
-        notes.push("servo, temperature while cutting, tool and process are not included".into());
+        notes.push(format!("{} are not included", self.not_included()));
         notes.extend(self.advice.iter().flat_map(Advice::notes));
         let [x, y, z] = self.at_mm.map(shortest);
         Shown {
             title: "Part before it is cut".into(),
-            summary: vec![
+            summary: [
                 self.part.clone(),
                 format!("program {}", self.program),
                 format!("machine {}", self.machine),
                 format!("program zero at X {x}, Y {y}, Z {z} mm"),
                 format!("intervals of {} %", self.confidence_percent),
-            ],
+            ]
+            .into_iter()
+            .chain(self.temperature.iter().flat_map(TemperatureDocument::summary))
+            .collect(),
             result,
             notes,
             tables: std::iter::once(self.verdicts())
@@ -59,6 +63,20 @@ impl PredictDocument {
                 .collect(),
             ..Shown::default()
         }
+    }
+
+    /// What the prediction leaves out.
+    fn not_included(&self) -> String {
+        let temperature = self.temperature.as_ref();
+        let is_grown = temperature.is_some_and(|of| !of.sensors.is_empty());
+        let is_part = temperature.is_some_and(|of| of.part_c.is_some());
+        let temperature = match [is_grown, is_part] {
+            [true, true] => "",
+            [false, false] => "temperature while cutting, ",
+            [true, false] => "temperature of the part, ",
+            [false, true] => "temperature of the machine, ",
+        };
+        format!("servo, {temperature}tool and process")
     }
 
     fn verdicts(&self) -> Table {

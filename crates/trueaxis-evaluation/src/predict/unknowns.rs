@@ -1,7 +1,7 @@
 //! What is not known of the machine: one number of unit variance for every quantity, and the part that a set of them cuts.
 
 use super::characteristic::value;
-use super::cut::{Cut, State};
+use super::cut::{Cut, Point, State};
 use super::fit::{Fitted, Nominal};
 use super::part::Part;
 use crate::uncertainty::monte_carlo::{machine_of, values};
@@ -158,6 +158,7 @@ impl Model<'_> {
     pub(super) fn cut(&self, drawn: &Drawn, state: State) -> Result<Vec<f64>> {
         let (machine, along) = machine_of(self.machine, self.terms, &drawn.values);
         let geometry = Geometry::new(&machine, 0.0).map_err(|error| anyhow!("{error}"))?;
+        let measured = self.part.temperature.part.map_or(1.0, |part| part.measured());
         let points: Vec<Vec<DVec3>> = self
             .cuts
             .iter()
@@ -165,7 +166,8 @@ impl Model<'_> {
             .map(|(feature, cut)| {
                 let scattered = self.approach(drawn, feature);
                 let along = || along.iter().chain(&scattered);
-                cut.points.iter().map(|point| point.cut(self.machine, &geometry, state, along())).collect()
+                let is = |point: &Point| measured * point.cut(self.machine, &geometry, state, along());
+                cut.points.iter().map(is).collect()
             })
             .collect();
         let fits = self.nominal.iter().zip(&points).map(|(nominal, points)| nominal.fit(points));
