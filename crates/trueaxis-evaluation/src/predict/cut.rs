@@ -1,6 +1,7 @@
 //! The points of a part's features, with the axes where the drives bring them while cutting.
 
-use super::part::{Feature, FeatureKind, Part};
+use super::locate::{self, Circle, length, turn};
+use super::part::{FeatureKind, Part};
 use super::temperature::{Lines, Warm};
 use crate::compensate::{Model, NoCorrection, Place, Settings, with_model};
 use crate::positions::{Travel, in_order};
@@ -9,9 +10,10 @@ use anyhow::{Result, anyhow, bail};
 use glam::DVec3;
 use trueaxis::compensation::Direction;
 use trueaxis::machine::{AXES, Axis};
-use trueaxis_sim::program::{Curve, Move, Program, ProgramError, ROTARY_LETTERS};
+use trueaxis_sim::placement::Placement;
+use trueaxis_sim::program::{Curve, Move, Program, ProgramError};
 use trueaxis_tables::Machine;
-use trueaxis_tables::exact::{Commanded, Geometry};
+use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::limits::Clipped;
 
 /// Spacing of the points of a feature, mm, and about how many of them a feature has at least and at most (an arc: on a full
@@ -27,12 +29,13 @@ const END: f64 = 1e-3;
 /// A point of a feature.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
-    /// Programmed point, mm, in coordinates of the program.
+    /// Programmed point, mm: in workpiece coordinates from the program's zero. With the rotary axes at zero these are the
+    /// program's.
     pub(super) nominal: DVec3,
     pub(super) uncorrected: Reached,
     pub(super) corrected: Reached,
-    /// Ideal pose.
-    commanded: Commanded,
+    /// Programmed point from the origin of the workpiece's frame, mm.
+    ideal: DVec3,
     /// Move of the program, and parameter on its curve.
     pub(super) place: (usize, f64),
     /// Growth of the axes when it is cut.
@@ -62,37 +65,30 @@ pub(super) struct Cut {
     pub(super) points: Vec<Point>,
     /// First and last of its moves in the order of the program.
     pub(super) moves: [usize; 2],
-    /// Normal of the plane that is active where it is cut.
+    /// Normal of the plane that is active where it is cut, in workpiece coordinates.
     pub(super) normal: DVec3,
     /// Centre and radius of a circle.
     pub(super) circle: Option<Circle>,
 }
 
-/// A circle in the program.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Circle {
-    pub(super) centre: DVec3,
-    pub(super) radius: f64,
-}
+impl Cut {
+    /// Leaves as many of the ends of a circle's chords as a circle has points.
+    fn thin(&mut self) {
+        if self.kind == FeatureKind::Circle && self.circle.is_none() {
+            let every = self.points.len().div_ceil(TURN_POINTS[1] as usize).max(1);
+            self.points = self.points.iter().step_by(every).cloned().collect();
+        }
+    }
 
-impl Circle {
-    /// Whether another circle is the same within the rounding of a program.
-    pub(super) fn is_near(&self, other: &Circle) -> bool {
-        (self.centre - other.centre).length() <= NEAR && (self.radius - other.radius).abs() <= NEAR
+    /// Whether a move is a chord of this circle, of which only the end is on it.
+    fn is_chord(&self, step: &Move) -> bool {
+        let is_straight = step.tool_center || step.turn.change == [0.0; 3];
+        self.kind == FeatureKind::Circle && self.circle.is_none() && is_straight
     }
 }
 
-/// The circle of an arc; none for another curve or a helix.
-pub(super) fn circle_of(step: &Move) -> Option<Circle> {
-    let Curve::Arc { start, end, center, normal, .. } = &step.curve else { return None };
-    let [start, end, center, axis] = [start, end, center, normal].map(|point| DVec3::from(*point));
-    let centre = center + axis * (start - center).dot(axis);
-    let is_level = (end - centre).dot(axis).abs() <= NEAR;
-    is_level.then(|| Circle { centre, radius: (start - centre).length() })
-}
-
 impl Point {
-    /// The point that is cut, in coordinates of the program, mm; `along`: errors of the axes along themselves.
+    /// The point that is cut, in the coordinates of the programmed one, mm; `along`: errors of the axes along themselves.
     pub(super) fn cut<'a>(
         &self,
         machine: &Machine,
@@ -108,8 +104,8 @@ impl Point {
         }
         sent.iter_mut().zip(reached.sent).zip(&self.growth).for_each(|((to, at), growth)| *to += growth.at(at));
         let slots = |by_axis| in_order(machine.settings.axes.iter().map(|own| own.axis), by_axis);
-        let tip = geometry.pose_error_of(&self.commanded, &slots(&sent), &slots(&reached.reverse)).tip_mm;
-        self.nominal + DVec3::from(tip)
+        let tip = DVec3::from(geometry.actual_pose(&slots(&sent), &slots(&reached.reverse)).tip_mm);
+        self.nominal + (tip - self.ideal)
     }
 }
 
@@ -117,18 +113,21 @@ impl Point {
 /// their points.
 ///
 /// # Errors
-/// A machine without X, Y or Z; a program that turns rotary axes or leaves the travel; features that its lines do not cut.
+/// A machine without X, Y or Z, or without a rotary axis that the program turns; a program that leaves the travel; features
+/// that its lines do not cut.
 pub(super) fn features(
     machine: &Machine,
     program: &Program,
     part: &Part,
     warm: Option<&Warm<'_>>,
 ) -> Result<(Vec<Cut>, Clipped)> {
-    linear_only(program)?;
     has_linear(machine)?;
-    let mut cuts = part.features.iter().map(|feature| found(program, part, feature)).collect::<Result<Vec<_>>>()?;
-    let geometry = Geometry::new(machine, 0.0).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
-    let spacings: Vec<f64> = cuts.iter().map(|cut| spacing(program, cut)).collect();
+    program.check_axes(&machine.settings)?;
+    let placement =
+        Placement::new(machine, part.at_mm).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
+    let found = |feature| locate::found(program, part, feature, &placement);
+    let mut cuts = part.features.iter().map(found).collect::<Result<Vec<_>>>()?;
+    let spacings: Vec<f64> = cuts.iter().map(|cut| spacing(program, cut, &placement)).collect();
     let mut clipped = Clipped::default();
     with_model(machine, &Settings::default(), |model| {
         let mut drives = Drives::new(machine, model);
@@ -137,37 +136,26 @@ pub(super) fn features(
             let is_feature = !step.rapid && cuts.iter().any(used);
             let spacing = cuts.iter().zip(&spacings).filter(|(cut, _)| used(cut)).map(|(_, spacing)| *spacing);
             let spacing = spacing.reduce(f64::min).filter(|_| is_feature);
-            for u in parameters(step, spacing) {
-                let nominal = DVec3::from(step.curve.position(u));
-                let mut command = [0.0; AXES];
-                command[..3].copy_from_slice(&(nominal + DVec3::from(part.at_mm)).to_array());
+            let is_chord = is_feature && cuts.iter().any(|cut| used(cut) && cut.is_chord(step));
+            for u in if is_chord { vec![step.curve.domain().1] } else { parameters(step, spacing, &placement) } {
+                let command = placement.axes(step, u);
                 within_travel(machine, program, step, &command)?;
                 let place = (index, u);
                 let growth = warm.map(|warm| warm.at(place)).unwrap_or_default();
                 let ([uncorrected, corrected], wanted) = drives.reach(command, &growth)?;
-                let commanded =
-                    geometry.commanded(&in_order(machine.settings.axes.iter().map(|own| own.axis), &command));
                 if is_feature {
                     clipped.add(&machine.settings, &command, &wanted);
-                    let point = Point { nominal, uncorrected, corrected, commanded, place, growth };
+                    let ideal = placement.place_of(&command).tip;
+                    let nominal = ideal - placement.zero();
+                    let point = Point { nominal, uncorrected, corrected, ideal, place, growth };
                     cuts.iter_mut().filter(|cut| used(cut)).for_each(|cut| cut.points.push(point.clone()));
                 }
             }
         }
         Ok(())
     })?;
+    cuts.iter_mut().for_each(Cut::thin);
     Ok((cuts, clipped))
-}
-
-/// Refuses a program with rotary axes.
-fn linear_only(program: &Program) -> Result<()> {
-    let rotary = program.first.rotary.into_iter().zip(ROTARY_LETTERS);
-    let words = rotary.filter_map(|(line, letter)| Some((line?, format!("a word of axis {letter}"))));
-    let words = words.chain(program.first.tool_center.map(|line| (line, String::from("G43.4"))));
-    match words.min() {
-        Some((line, found)) => Err(ProgramError::new(&program.file, line, found, "motion of X, Y and Z alone").into()),
-        None => Ok(()),
-    }
 }
 
 /// Refuses a machine without X, Y or Z.
@@ -182,11 +170,14 @@ fn has_linear(machine: &Machine) -> Result<()> {
 }
 
 fn within_travel(machine: &Machine, program: &Program, step: &Move, command: &[f64; AXES]) -> Result<()> {
-    for own in machine.settings.axes.iter().filter(|own| !own.axis.is_rotary()) {
+    // A rotary axis that the program does not turn stays where it is.
+    let counted = |axis: Axis| !axis.is_rotary() || program.is_five_axis();
+    for own in machine.settings.axes.iter().filter(|own| counted(own.axis)) {
         let (q, [low, high]) = (command[own.axis.index()], own.travel);
         if q < low || q > high {
-            let found = format!("axis {} at {q:.3} mm", own.axis.letter());
-            let needed = format!("within its travel, {low} to {high} mm, with the part at at_mm");
+            let unit = if own.axis.is_rotary() { "degrees" } else { "mm" };
+            let found = format!("axis {} at {q:.3} {unit}", own.axis.letter());
+            let needed = format!("within its travel, {low} to {high} {unit}, with the part at at_mm");
             return Err(ProgramError::new(&program.file, step.line, found, needed).into());
         }
     }
@@ -194,21 +185,21 @@ fn within_travel(machine: &Machine, program: &Program, step: &Move, command: &[f
 }
 
 /// Distance between the points of a feature, mm.
-fn spacing(program: &Program, cut: &Cut) -> f64 {
+fn spacing(program: &Program, cut: &Cut, placement: &Placement) -> f64 {
     let moves = program.moves[cut.moves[0]..=cut.moves[1]].iter().filter(|step| !step.rapid);
-    let length: f64 = moves.map(|step| step.curve.length()).sum();
+    let length: f64 = moves.map(|step| length(placement, step)).sum();
     length / (length / SPACING).clamp(POINTS[0], POINTS[1])
 }
 
 /// Parameters at which a move is evaluated; `spacing`: of the feature that it cuts.
-fn parameters(step: &Move, spacing: Option<f64>) -> Vec<f64> {
+pub(super) fn parameters(step: &Move, spacing: Option<f64>, placement: &Placement) -> Vec<f64> {
     let (first, last) = step.curve.domain();
     let between = |count: usize, from: f64| -> Vec<f64> {
         let share = |k: usize| from + (1.0 - 2.0 * from) * k as f64 / (count.max(2) - 1) as f64;
         (0..count.max(2)).map(|k| first + (last - first) * share(k)).collect()
     };
     match (spacing, &step.curve) {
-        (None, Curve::Line { .. }) => vec![last],
+        (None, Curve::Line { .. }) if step.turn.change == [0.0; 3] => vec![last],
         (None, _) => between(BETWEEN, 0.0),
         (Some(_), Curve::Arc { .. }) => {
             let turns = turn(&step.curve) / std::f64::consts::TAU;
@@ -217,16 +208,8 @@ fn parameters(step: &Move, spacing: Option<f64>) -> Vec<f64> {
             // The middles of equal parts: the ends of a full turn would count twice.
             (0..count as usize).map(|k| first + (last - first) * (k as f64 + 0.5) / count).collect()
         }
-        (Some(spacing), _) => between(1 + (step.curve.length() / spacing).ceil() as usize, END),
+        (Some(spacing), _) => between(1 + (length(placement, step) / spacing).ceil() as usize, END),
     }
-}
-
-/// Angle of an arc, rad.
-pub(super) fn turn(arc: &Curve) -> f64 {
-    let (Curve::Arc { center, .. }, (first, last)) = (arc, arc.domain()) else { return std::f64::consts::TAU };
-    let [start, end] = [first, last].map(|u| DVec3::from(arc.position(u)));
-    let radius = 0.5 * ((start - DVec3::from(*center)).length() + (end - DVec3::from(*center)).length());
-    arc.length() / radius.max(f64::MIN_POSITIVE)
 }
 
 /// The drives along the program, with and without correction.
@@ -264,52 +247,3 @@ impl<'m> Drives<'m> {
         Ok(([uncorrected, Reached { sent, reverse: reverse(directions) }], wanted))
     }
 }
-
-/// A feature without its points, from the moves of its lines.
-fn found(program: &Program, part: &Part, feature: &Feature) -> Result<Cut> {
-    let [from, to] = feature.lines;
-    let of_lines = |step: &Move| (from..=to).contains(&step.line);
-    let cutting: Vec<(usize, &Move)> =
-        program.moves.iter().enumerate().filter(|(_, step)| of_lines(step) && !step.rapid).collect();
-    let (Some((first, step)), Some((last, _))) = (cutting.first(), cutting.last()) else {
-        let motion = if program.moves.iter().any(of_lines) { "rapid motion alone" } else { "no motion" };
-        let found = format!("{motion} in lines {from} to {to} of {}", program.file);
-        let needed = format!("lines that cut {}", feature.name);
-        return Err(part.wrong(feature.line, found, needed).into());
-    };
-    let refuse = |step: &Move, found: &str, needed: &str| -> anyhow::Error {
-        let found = format!("{found}, in the lines of {}", feature.name);
-        ProgramError::new(&program.file, step.line, found, needed).into()
-    };
-    let between = &program.moves[*first..=*last];
-    if let Some(other) = between.iter().find(|step| !step.rapid && !of_lines(step)) {
-        return Err(refuse(other, "another line that cuts between them", "lines that cut one after the other"));
-    }
-    let normal = DVec3::from(step.plane_normal);
-    let mut circle: Option<Circle> = None;
-    for (_, step) in &cutting {
-        match (feature.kind, &step.curve) {
-            (FeatureKind::Circle, Curve::Arc { .. }) => {
-                let own = circle_of(step).filter(|own| circle.get_or_insert(*own).is_near(own));
-                if own.is_none() {
-                    return Err(refuse(step, "an arc about another centre", "arcs of one circle"));
-                }
-            }
-            (FeatureKind::Circle, _) => return Err(refuse(step, "a line or curve", "arcs of one circle alone")),
-            (FeatureKind::Hole, Curve::Line { start, end }) => {
-                let along = (DVec3::from(*end) - DVec3::from(*start)).normalize_or_zero();
-                if along.cross(normal).length() > 1e-9 {
-                    return Err(refuse(step, "motion across the hole", "motion along the normal of G17, G18 or G19"));
-                }
-            }
-            (FeatureKind::Hole | FeatureKind::Line, Curve::Arc { .. } | Curve::Nurbs { .. }) => {
-                return Err(refuse(step, "an arc or curve", "straight lines"));
-            }
-            (FeatureKind::Line | FeatureKind::Plane, _) => {}
-        }
-    }
-    Ok(Cut { kind: feature.kind, points: Vec::new(), moves: [*first, *last], normal, circle })
-}
-
-/// Distance below which programmed points are equal, mm: the rounding of a program.
-pub(super) const NEAR: f64 = 2e-3;

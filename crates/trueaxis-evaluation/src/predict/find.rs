@@ -1,6 +1,6 @@
 //! Features found in a program, for confirmation.
 
-use super::cut::{circle_of, turn};
+use super::locate::{circle_of, turn};
 use super::part::{Feature, FeatureKind};
 use glam::DVec3;
 use std::fmt::Write as _;

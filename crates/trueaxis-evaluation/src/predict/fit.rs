@@ -1,10 +1,14 @@
 //! Least-squares features through the points that are cut (ISO 14405-1, ISO 12180 to 12781: association by least squares).
 
-use super::cut::{Circle, Cut, NEAR};
+use super::cut::Cut;
+use super::locate::{Circle, NEAR, circle_through};
 use super::part::FeatureKind;
 use anyhow::{Result, anyhow};
 use glam::{DMat3, DVec3};
 use trueaxis_metrology::circles::least_squares;
+
+/// Fewest points of a circle.
+const FEWEST: usize = 4;
 
 /// Directions and place of a feature as programmed.
 #[derive(Clone, Copy, Debug)]
@@ -50,8 +54,20 @@ impl Nominal {
         let mut nominal = Nominal { kind: cut.kind, centre: middle, normal: cut.normal, along, size };
         match cut.kind {
             FeatureKind::Circle => {
-                let Circle { centre, radius } = cut.circle.unwrap_or(Circle { centre: middle, radius: size });
-                nominal = Nominal { centre, size: radius, along: cut.normal.any_orthonormal_vector(), ..nominal };
+                let refused = "arcs of one circle, or chords with their ends on one";
+                let (Circle { centre, radius }, normal) = match cut.circle {
+                    Some(circle) => (circle, cut.normal),
+                    None => circle_through(&points).ok_or(refused)?,
+                };
+                let normal = if normal.dot(cut.normal) < 0.0 { -normal } else { normal };
+                let off = |point: &DVec3| {
+                    let from = *point - centre;
+                    from.dot(normal).abs().max((from.reject_from_normalized(normal).length() - radius).abs())
+                };
+                if points.len() < FEWEST || points.iter().map(off).fold(0.0, f64::max) > 2.0 * NEAR {
+                    return Err(refused);
+                }
+                nominal = Nominal { centre, size: radius, normal, along: normal.any_orthonormal_vector(), ..nominal };
             }
             FeatureKind::Hole => {
                 if points.iter().any(|point| (*point - middle).reject_from_normalized(cut.normal).length() > NEAR) {

@@ -26,6 +26,7 @@ mod cut;
 mod document;
 mod find;
 mod fit;
+mod locate;
 mod part;
 mod shown;
 mod temperature;
@@ -88,7 +89,7 @@ impl Default for Options {
 ///
 /// # Errors
 /// A number of draws out of its range; a part without tolerances; a machine without X, Y or Z, or that the model refuses; a
-/// program that turns rotary axes or leaves the travel; features that their lines do not cut; datums that are not made before
+/// program that turns axes that the machine does not have or leaves the travel; features that their lines do not cut; datums that are not made before
 /// the features that refer to them.
 pub fn predict(
     machine: &Machine,
@@ -125,7 +126,7 @@ impl Prepared {
             bail!("{}: key tolerance: found nothing, needed at least one section [[tolerance]]", part.file.display());
         }
         let growth = part.growth_on(machine)?;
-        let warm = growth.as_deref().map(|growth| Warm::new(growth, machine, program)).transpose()?;
+        let warm = growth.as_deref().map(|growth| Warm::new(growth, (machine, part.at_mm), program)).transpose()?;
         let (cuts, clipped) = cut::features(machine, program, part, warm.as_ref())?;
         let nominal = nominal(program, part, &cuts)?;
         characteristic::check(part, &nominal)?;
@@ -151,7 +152,7 @@ fn temperature_of(
     let points = || cuts.iter().flat_map(|cut| &cut.points);
     let span = warm.map(|warm| warm.span(points().map(|point| point.place))).transpose()?;
     let growth = warm.map(|warm| warm.growth).zip(span);
-    temperature::add_terms(terms, known, growth, (part.temperature.part.as_ref(), part.at_mm));
+    temperature::add_terms(terms, known, growth, part.temperature.part.as_ref());
     let by_place = |one: &&Point, other: &&Point| one.place.partial_cmp(&other.place).unwrap_or(Ordering::Equal);
     let ends = [points().min_by(by_place), points().max_by(by_place)];
     let at = ends.map(|point| point.map_or_else(Default::default, |point| point.uncorrected.sent));

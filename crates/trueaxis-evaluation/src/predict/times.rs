@@ -2,6 +2,7 @@
 
 use anyhow::{Result, anyhow};
 use trueaxis_sim::motion::{Motion, MotionSettings};
+use trueaxis_sim::placement::Placement;
 use trueaxis_sim::program::Program;
 use trueaxis_tables::Machine;
 
@@ -18,9 +19,13 @@ pub(super) struct Times {
 }
 
 impl Times {
+    /// `at_mm`: program zero in machine coordinates.
+    ///
     /// # Errors
     /// A program that cannot be planned.
-    pub(super) fn of(machine: &Machine, program: &Program) -> Result<Times> {
+    pub(super) fn of(machine: &Machine, program: &Program, at_mm: [f64; 3]) -> Result<Times> {
+        let placement =
+            Placement::new(machine, at_mm).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
         let slowest = machine.settings.axes.iter().filter(|own| !own.axis.is_rotary()).map(|own| own.max_feed_per_s);
         let rapid = 60.0 * slowest.fold(f64::INFINITY, f64::min);
         let usual = MotionSettings::default();
@@ -29,7 +34,8 @@ impl Times {
             rapid_mm_per_min: if rapid.is_finite() { rapid } else { usual.rapid_mm_per_min },
             ..usual
         };
-        let motion = Motion::plan(program, settings).map_err(|error| anyhow!("{}: {error}", program.file))?;
+        let motion =
+            Motion::plan_on(program, settings, &placement).map_err(|error| anyhow!("{}: {error}", program.file))?;
         let every = motion.cycles().div_ceil(MOST) as usize;
         let at_rest = trueaxis_sim::motion::DWELL_CYCLES as f64 * PERIOD_S;
         let timed = motion.setpoints(program).enumerate().map(|(cycle, of)| {

@@ -4,6 +4,7 @@ use super::characteristic::value;
 use super::cut::{Cut, Point, State};
 use super::fit::{Fitted, Nominal};
 use super::part::Part;
+use super::temperature::part_length;
 use crate::uncertainty::monte_carlo::{machine_of, values};
 use crate::uncertainty::terms::{Along, Counts, Effect, Terms};
 use anyhow::{Result, anyhow};
@@ -158,7 +159,7 @@ impl Model<'_> {
     pub(super) fn cut(&self, drawn: &Drawn, state: State) -> Result<Vec<f64>> {
         let (machine, along) = machine_of(self.machine, self.terms, &drawn.values);
         let geometry = Geometry::new(&machine, 0.0).map_err(|error| anyhow!("{error}"))?;
-        let measured = self.part.temperature.part.map_or(1.0, |part| part.measured());
+        let measured = part_length(self.part.temperature.part.as_ref(), self.terms, &drawn.values);
         let points: Vec<Vec<DVec3>> = self
             .cuts
             .iter()

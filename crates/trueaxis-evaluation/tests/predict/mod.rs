@@ -3,6 +3,7 @@
 mod advised;
 mod measured;
 mod plant;
+mod temperature;
 
 use measured::{along, circle, flatness, hole, levelled, line};
 use plant::{Errors, Known, Place, Step, V, approaches, cut, program, run};

@@ -11,29 +11,33 @@ use trueaxis_tables::uncertainty::Uncertainties;
 /// Change of a sensor that gives the derivative of the growth with respect to it, K: plausible in any model.
 const STEP_K: f64 = 0.1;
 
+/// Name of the term of the part's own temperature, which no axis shows: [`part_length`] has its effect.
+const PART: &str = "part temperature";
+
 /// Adds the uncertain quantities of the growth in the middle of the time in which a part is cut, and that of the part's own
-/// temperature; `zero_mm`: program zero.
+/// temperature.
 pub(in crate::predict) fn add_terms(
     terms: &mut Terms,
     (machine, stated): (&Machine, &Uncertainties),
     growth: Option<(&Growth, [f64; 2])>,
-    (part, zero_mm): (Option<&Expansion>, [f64; 3]),
+    part: Option<&Expansion>,
 ) {
     if let Some((growth, [first, last])) = growth {
         growth.add_terms(terms, machine, stated, 0.5 * (first + last));
     }
     if let Some(part) = part {
-        let along = |(axis, datum): (Axis, f64)| {
-            move |u: f64| {
-                let per_length = -part.per_k * u;
-                Along { axis, constant: 0.0, per_length, datum, counts: Counts::Always }
-            }
-        };
-        terms.put("temperature.part_u_k of the part".into(), "part temperature".into(), part.u_k, f64::INFINITY, |u| {
-            let linear = [Axis::X, Axis::Y, Axis::Z].into_iter().zip(zero_mm);
-            Effect::Along(linear.map(|place| along(place)(u)).collect())
-        });
+        let key = "temperature.part_u_k of the part's file";
+        terms.put(key.into(), PART.into(), part.u_k, f64::INFINITY, |_| Effect::Along(Vec::new()));
     }
+}
+
+/// Lengths of a part when it is measured, as a share of those when it is cut; `values` of the terms in units of their standard
+/// uncertainties.
+pub(in crate::predict) fn part_length(part: Option<&Expansion>, terms: &Terms, values: &[Vec<f64>]) -> f64 {
+    let Some(part) = part else { return 1.0 };
+    let drawn = terms.all.iter().zip(values).find(|(term, _)| term.name == PART);
+    let z = drawn.and_then(|(_, values)| values.first()).copied().unwrap_or(0.0);
+    Expansion { celsius: part.celsius + z * part.u_k.unwrap_or(0.0), ..*part }.measured()
 }
 
 impl Growth {

@@ -18,7 +18,7 @@ mod record;
 
 pub(super) use document::document;
 pub use document::{AxisGrowth, SensorTemperature, TemperatureDocument};
-pub(super) use known::add_terms;
+pub(super) use known::{add_terms, part_length};
 pub use model::GrowthModel;
 pub(super) use model::Lines;
 pub(super) use part::read_temperature;
@@ -198,8 +198,12 @@ pub(super) struct Warm<'g> {
 }
 
 impl<'g> Warm<'g> {
-    pub(super) fn new(growth: &'g Growth, machine: &Machine, program: &Program) -> Result<Warm<'g>> {
-        let times = growth.record.as_ref().map(|_| Times::of(machine, program)).transpose()?;
+    pub(super) fn new(
+        growth: &'g Growth,
+        (machine, at_mm): (&Machine, [f64; 3]),
+        program: &Program,
+    ) -> Result<Warm<'g>> {
+        let times = growth.record.as_ref().map(|_| Times::of(machine, program, at_mm)).transpose()?;
         Ok(Warm { growth, times })
     }
 
