@@ -1,16 +1,18 @@
 //! `trueaxis predict`.
 
+mod servo;
 mod temperature;
 
 use crate::output::{data, json, print, report_line};
 use crate::{model, report};
 use anyhow::{Result, bail};
 use clap::Args;
+use servo::ServoArgs;
 use std::fs::canonicalize;
 use std::path::{Path, PathBuf, absolute};
 use temperature::TemperatureArgs;
 use trueaxis_evaluation::calibrate::Task;
-use trueaxis_evaluation::predict::{Advice, Options, Part, advise, elsewhere, find, predict, sections};
+use trueaxis_evaluation::predict::{Advice, Options, Part, advise, elsewhere, find, sections};
 use trueaxis_sim::program::{Program, ReadOptions, Source};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::uncertainty::Uncertainties;
@@ -63,6 +65,11 @@ cut warm shrinks to 20 °C
 Not known of the growth are the sensors (sensor_k of [uncertainty]), expansion_um_per_m_k, growth_um of \
 [axis.X.uncertainty], or uncertainty_um of an axis in thermal.toml.
 
+--servo runs the simulator's step and drives over the features, each with some moves before it: uncorrected, with the \
+geometric correction, and with everything that the machine.toml configures, feed-forward, friction and contour feedback. The \
+axes are then where the drives bring them; verdicts are those of everything on. The drives are exactly those of [axis.X.drive] \
+and [axis.X.friction], rigid; friction that is not stated is zero.
+
 --find is a start for the part's file, which then needs only name, program and at_mm. It finds full circles, holes, planes \
 milled line by line, and straight lines in the plane of G17, G18 or G19; delete those that are not finished surfaces.
 
@@ -102,23 +109,31 @@ pub(crate) struct PredictArgs {
     report: Option<PathBuf>,
     #[command(flatten)]
     temperature: TemperatureArgs,
+    #[command(flatten)]
+    servo: ServoArgs,
 }
 
 pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
-    let part = Part::read(&model::text(&arguments.part)?, &arguments.part)?;
+    let mut part = Part::read(&model::text(&arguments.part)?, &arguments.part)?;
     let beside = part.program.as_ref().map(|name| arguments.part.with_file_name(name));
     let Some(path) = arguments.program.clone().or(beside) else {
         bail!("{}: key program: found nothing, needed a G-code file, or --program", arguments.part.display());
     };
-    let source = Source::read(&path)?;
-    let program = Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(&path))?;
+    let read = |path: &Path| -> Result<Program> {
+        let source = Source::read(path)?;
+        Ok(Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(path))?)
+    };
+    let program = read(&path)?;
+    part.read_setups(|file| read(&arguments.part.with_file_name(file)))?;
     if arguments.find {
         let found = sections(&find(&program));
         return data(if found.is_empty() { "# no feature found\n" } else { found.trim_start() });
     }
     let tasks =
         part.instruments.iter().filter_map(|of| of.file.as_ref()).map(|name| arguments.part.with_file_name(name));
-    let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]).chain(tasks);
+    let setups = part.setups.iter().map(|setup| arguments.part.with_file_name(&setup.file));
+    let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]);
+    let inputs = inputs.chain(setups).chain(tasks);
     let inputs = inputs.chain(arguments.temperature.inputs(&part, &arguments.machine));
     let mut outputs = Outputs::of(inputs);
     if let Some(to) = &arguments.output {
@@ -128,7 +143,7 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     let stated = Uncertainties::read(&arguments.machine)?;
     let part = arguments.temperature.apply(part, &machine, &arguments.machine)?;
     let options = Options { trials: arguments.trials, seed: arguments.seed };
-    let mut document = predict(&machine, &stated, &program, &part, options)?;
+    let mut document = arguments.servo.predict((&machine, &stated), &program, &part, options)?;
     if arguments.advise {
         let read = |name: &str| {
             let file = arguments.part.with_file_name(name);

@@ -1,6 +1,7 @@
 //! Tables of a predicted part.
 
 use super::advise::document::Advice;
+use super::servo::ServoDocument;
 use super::temperature::TemperatureDocument;
 use super::{Known, PredictDocument, Predicted};
 use crate::shown::{Cell, EXPANDED, Shown, Table};
@@ -40,7 +41,7 @@ impl PredictDocument {
             let advice = self.advice.as_ref().map_or_else(String::new, |advice| format!(" {}.", advice.sentence()));
             format!("{}.{advice}", parts.collect::<Vec<_>>().join(", "))
         };
-        notes.push(format!("{} are not included", self.not_included()));
+        notes.push(format!("{} and process are not included", self.not_included()));
         notes.extend(self.advice.iter().flat_map(Advice::notes));
         let [x, y, z] = self.at_mm.map(shortest);
         Shown {
@@ -53,6 +54,7 @@ impl PredictDocument {
                 format!("intervals of {} %", self.confidence_percent),
             ]
             .into_iter()
+            .chain(self.servo.iter().map(ServoDocument::summary))
             .chain(self.temperature.iter().flat_map(TemperatureDocument::summary))
             .collect(),
             result,
@@ -71,22 +73,26 @@ impl PredictDocument {
         let is_grown = temperature.is_some_and(|of| !of.sensors.is_empty());
         let is_part = temperature.is_some_and(|of| of.part_c.is_some());
         let temperature = match [is_grown, is_part] {
-            [true, true] => "",
-            [false, false] => "temperature while cutting, ",
-            [true, false] => "temperature of the part, ",
-            [false, true] => "temperature of the machine, ",
+            [true, true] => None,
+            [false, false] => Some("temperature while cutting"),
+            [true, false] => Some("temperature of the part"),
+            [false, true] => Some("temperature of the machine"),
         };
-        format!("servo, {temperature}tool and process")
+        let servo = if self.servo.is_some() { "uncertainty of the drives" } else { "servo" };
+        [Some(servo), temperature, Some("tool")].into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 
     fn verdicts(&self) -> Table {
         let has_known = self.features.iter().any(|of| of.known.is_some());
+        let has_servo = self.servo.is_some();
         let head = ["feature", "tolerance", "uncorrected", "corrected"].into_iter();
         let head = head
+            .chain(has_servo.then_some("everything on"))
             .chain(if has_known { &[EXPANDED, WITHIN, "in tolerance, %", "verdict"][..] } else { &[] }.iter().copied());
         let rows = self.features.iter().map(|of| {
             let mut row: Vec<Cell> = vec![of.title().into(), of.limits().into()];
-            row.extend([of.uncorrected_um, of.corrected_um].map(|um| Cell::fixed(um, 2)));
+            let values = [of.uncorrected_um, of.corrected_um].into_iter().chain(of.everything_um);
+            row.extend(values.map(|um| Cell::fixed(um, 2)));
             if let Some(known) = &of.known {
                 let share = Cell::percent(known.conformance);
                 let Interval { low, high } = known.interval_um;

@@ -11,6 +11,13 @@ const PERIOD_S: f64 = 0.1;
 /// Most setpoints that are kept.
 const MOST: u64 = 1_000_000;
 
+/// Speed of rapids: that of the slowest of X, Y and Z.
+pub(super) fn rapid_mm_per_min(machine: &Machine) -> f64 {
+    let slowest = machine.settings.axes.iter().filter(|own| !own.axis.is_rotary()).map(|own| own.max_feed_per_s);
+    let rapid = 60.0 * slowest.fold(f64::INFINITY, f64::min);
+    if rapid.is_finite() { rapid } else { MotionSettings::default().rapid_mm_per_min }
+}
+
 /// Times of a program by the simulator's planner: programmed feeds, rapids as fast as the slowest of X, Y and Z, and the
 /// planner's usual accelerations. Dwells, tool changes and spindle starts take no time.
 pub(super) struct Times {
@@ -26,14 +33,8 @@ impl Times {
     pub(super) fn of(machine: &Machine, program: &Program, at_mm: [f64; 3]) -> Result<Times> {
         let placement =
             Placement::new(machine, at_mm).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
-        let slowest = machine.settings.axes.iter().filter(|own| !own.axis.is_rotary()).map(|own| own.max_feed_per_s);
-        let rapid = 60.0 * slowest.fold(f64::INFINITY, f64::min);
-        let usual = MotionSettings::default();
-        let settings = MotionSettings {
-            period_s: PERIOD_S,
-            rapid_mm_per_min: if rapid.is_finite() { rapid } else { usual.rapid_mm_per_min },
-            ..usual
-        };
+        let rapid_mm_per_min = rapid_mm_per_min(machine);
+        let settings = MotionSettings { period_s: PERIOD_S, rapid_mm_per_min, ..MotionSettings::default() };
         let motion =
             Motion::plan_on(program, settings, &placement).map_err(|error| anyhow!("{}: {error}", program.file))?;
         let every = motion.cycles().div_ceil(MOST) as usize;

@@ -3,10 +3,11 @@
 use super::characteristic::value;
 use super::cut::{Cut, Point, State};
 use super::fit::{Fitted, Nominal};
+use super::fixture::{Moved, Moves};
 use super::part::Part;
 use super::temperature::part_length;
 use crate::uncertainty::monte_carlo::{machine_of, values};
-use crate::uncertainty::terms::{Along, Counts, Effect, Terms};
+use crate::uncertainty::terms::{Along, Counts, Effect, Term, Terms};
 use anyhow::{Result, anyhow};
 use glam::DVec3;
 use trueaxis::machine::wraps;
@@ -24,6 +25,8 @@ pub(super) struct Model<'m> {
     pub(super) cuts: &'m [Cut],
     pub(super) nominal: &'m [Nominal],
     pub(super) terms: &'m Terms,
+    /// What the terms of set-ups and tools move, in their order.
+    pub(super) moves: &'m [Moves],
 }
 
 /// Where an unknown is.
@@ -160,21 +163,34 @@ impl Model<'_> {
         let (machine, along) = machine_of(self.machine, self.terms, &drawn.values);
         let geometry = Geometry::new(&machine, 0.0).map_err(|error| anyhow!("{error}"))?;
         let measured = part_length(self.part.temperature.part.as_ref(), self.terms, &drawn.values);
+        let held: Vec<f64> = self.held(drawn);
         let points: Vec<Vec<DVec3>> = self
             .cuts
             .iter()
+            .zip(self.nominal)
             .enumerate()
-            .map(|(feature, cut)| {
+            .map(|(feature, (cut, nominal))| {
                 let scattered = self.approach(drawn, feature);
                 let along = || along.iter().chain(&scattered);
-                let is = |point: &Point| measured * point.cut(self.machine, &geometry, state, along());
-                cut.points.iter().map(is).collect()
+                let moved = Moved::of(self.moves, &held, &self.part.setups, cut);
+                let at = |point: &Point| {
+                    let error = cut.to_part * point.error(self.machine, &geometry, state, along());
+                    measured * (point.nominal + error + moved.of_point(point, cut, nominal))
+                };
+                cut.points.iter().map(at).collect()
             })
             .collect();
         let fits = self.nominal.iter().zip(&points).map(|(nominal, points)| nominal.fit(points));
         let fitted = fits.collect::<Result<Vec<Fitted>>>()?;
         let tolerances = self.part.tolerances.iter();
         Ok(tolerances.map(|tolerance| value(tolerance, self.nominal, &fitted, &points)).collect())
+    }
+
+    /// Values of the quantities of set-ups and tools.
+    fn held(&self, drawn: &Drawn) -> Vec<f64> {
+        let is_held = |(term, _): &(&Term, _)| matches!(term.effect, Effect::Part);
+        let values = self.terms.all.iter().zip(&drawn.values).filter(is_held);
+        values.map(|(_, values)| values.first().copied().unwrap_or(0.0)).collect()
     }
 
     /// Errors of the axes along themselves in the approach of a feature.

@@ -3,7 +3,10 @@
 mod advised;
 mod measured;
 mod plant;
+mod servo;
+mod setups;
 mod temperature;
+mod trunnion;
 
 use measured::{along, circle, flatness, hole, levelled, line};
 use plant::{Errors, Known, Place, Step, V, approaches, cut, program, run};

@@ -190,6 +190,10 @@ fn records_that_say_too_little_are_refused() {
         let refused = read(record).unwrap_err().to_string();
         assert!(parts.iter().all(|part| refused.contains(part)), "{parts:?}: {refused}");
     }
+    let setup = part("[[setup]]\nname = \"back\"\nprogram = \"back.ngc\"\nat_mm = [0, 0, -50]\n");
+    let whole = Growth::recorded(model(None), &read(&ramp(0.0, 40, 0.01)).unwrap(), Start::After(100.0)).unwrap();
+    let refused = predicted(&grows, &Part { growth: Some(whole), ..setup }).unwrap_err().to_string();
+    assert!(refused.contains("part.toml:") && refused.contains("found the set-up back"), "{refused}");
     let lacking = error(Growth::recorded(model(Some(THERMAL)), &read("t_s,T1_c\n0,20\n").unwrap(), Start::After(0.0)));
     assert!(lacking.contains("shift.csv:1") && lacking.contains("needed the column T2_c"), "{lacking}");
     let jumps = "t_s,T1_c,T2_c\n0,20,20\n60,20,40\n";

@@ -136,6 +136,11 @@ impl Growth {
         Ok(Growth { model, readings, lines, is_beyond, record: Some(recorded) })
     }
 
+    /// Whether it follows a record, from the start of one program on.
+    pub(super) fn is_recorded(&self) -> bool {
+        self.record.is_some()
+    }
+
     /// Growth at a time since the program's start, s: between two readings in proportion to time.
     pub(super) fn at(&self, t_s: f64) -> Lines {
         between(
