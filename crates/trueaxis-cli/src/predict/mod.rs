@@ -1,13 +1,18 @@
 //! `trueaxis predict`.
 
+mod servo;
+mod temperature;
+
 use crate::output::{data, json, print, report_line};
 use crate::{model, report};
 use anyhow::{Result, bail};
 use clap::Args;
+use servo::ServoArgs;
 use std::fs::canonicalize;
 use std::path::{Path, PathBuf, absolute};
+use temperature::TemperatureArgs;
 use trueaxis_evaluation::calibrate::Task;
-use trueaxis_evaluation::predict::{Advice, Options, Part, advise, elsewhere, find, predict, sections};
+use trueaxis_evaluation::predict::{Advice, Options, Part, advise, elsewhere, find, sections};
 use trueaxis_sim::program::{Program, ReadOptions, Source};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::uncertainty::Uncertainties;
@@ -52,6 +57,24 @@ better place in X and Y; features better cut in the other direction because of l
 correction gives another verdict. -o writes the task for \
 `trueaxis calibrate plan`.
 
+--thermal adds the growth of the machine at the time at which each point is cut: uncorrected in full, corrected as far as \
+the limits of the axes admit. The growth is that of the thermal.toml beside the machine.toml, by the controller's thermal task, \
+or of [axis.X.thermal] of the machine.toml at the record's first temperature. The times follow from the feeds, by the planner of \
+the simulator. RECORD.csv has one row a reading, as for `trueaxis thermal fit`:
+  t_s: time
+  T1_c … T16_c: sensors, degrees Celsius
+  spindle_rpm, tool_mm: speed of the spindle, length from its nose, as far as thermal.toml needs them
+Without a record, the part's file may state constant temperatures:
+  [temperature] with machine_c; part_c, part_expansion_um_per_m_k and part_u_k (its standard uncertainty): a part \
+cut warm shrinks to 20 °C
+Not known of the growth are the sensors (sensor_k of [uncertainty]), expansion_um_per_m_k, growth_um of \
+[axis.X.uncertainty], or uncertainty_um of an axis in thermal.toml.
+
+--servo runs the simulator's step and drives over the features, each with some moves before it: uncorrected, with the \
+geometric correction, and with everything that the machine.toml configures, feed-forward, friction and contour feedback. The \
+axes are then where the drives bring them; verdicts are those of everything on. The drives are exactly those of [axis.X.drive] \
+and [axis.X.friction], rigid; friction that is not stated is zero.
+
 --find is a start for the part's file, which then needs only name, program and at_mm. It finds full circles, holes, planes \
 milled line by line, and straight lines in the plane of G17, G18 or G19; delete those that are not finished surfaces.
 
@@ -89,6 +112,10 @@ pub(crate) struct PredictArgs {
     /// Write a page: a folder (predict.html) or a file that ends in .html.
     #[arg(long, value_name = "DIR|FILE")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    temperature: TemperatureArgs,
+    #[command(flatten)]
+    servo: ServoArgs,
 }
 
 pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
@@ -112,14 +139,16 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     let setups = part.setups.iter().map(|setup| arguments.part.with_file_name(&setup.file));
     let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]);
     let inputs = inputs.chain(setups).chain(tasks);
+    let inputs = inputs.chain(arguments.temperature.inputs(&part, &arguments.machine));
     let mut outputs = Outputs::of(inputs);
     if let Some(to) = &arguments.output {
         outputs.refuse_input(to)?;
     }
     let machine = model::source(&arguments.machine)?;
     let stated = Uncertainties::read(&arguments.machine)?;
+    let part = arguments.temperature.apply(part, &machine, &arguments.machine)?;
     let options = Options { trials: arguments.trials, seed: arguments.seed };
-    let mut document = predict(&machine, &stated, &program, &part, options)?;
+    let mut document = arguments.servo.predict((&machine, &stated), &program, &part, options)?;
     if arguments.advise {
         let read = |name: &str| {
             let file = arguments.part.with_file_name(name);

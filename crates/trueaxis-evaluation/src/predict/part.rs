@@ -3,11 +3,13 @@
 use super::advise::instrument::{Instrument, Touching, read_instrument, read_probe};
 use super::fixture::{Setup, Side, Tool, named};
 use super::gear::{self, FlankDeviation, GearFlank};
+use super::temperature::{Growth, GrowthModel, PartTemperature, read_temperature};
 use crate::calibrate::ranges::number;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use trueaxis_sim::program::Program;
 use trueaxis_tables::error::FileError;
-use trueaxis_tables::{KeyValue, Section, read_toml};
+use trueaxis_tables::{KeyValue, Machine, Section, read_toml};
 
 /// Kind of a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -185,6 +187,11 @@ pub struct Part {
     pub instruments: Vec<Instrument>,
     /// The probe.
     pub probe: Touching,
+    /// Temperatures while it is cut.
+    pub temperature: PartTemperature,
+    /// Growth of the machine while it is cut, by a record or a thermal.toml; otherwise from `temperature.machine_c` and
+    /// `[axis.X.thermal]` of the machine.
+    pub growth: Option<Growth>,
 }
 
 /// Most features, and most tolerances.
@@ -221,9 +228,43 @@ impl Part {
                 tolerances.into_iter().map(|one| read_tolerance(one, &features)).collect::<Result<_, _>>()?;
             let instruments = all(&root, "instrument")?.into_iter().map(read_instrument).collect::<Result<_, _>>()?;
             let probe = root.section("probe")?.map_or_else(|| Ok(Touching::default()), read_probe)?;
+            let temperature = root.section("temperature")?;
+            let temperature = temperature.map_or_else(|| Ok(PartTemperature::default()), read_temperature)?;
             root.finish(None)?;
-            let (file, at_mm) = (file.into(), at.value);
-            Ok(Part { file, name, program, at_mm, setups, tools, features, tolerances, instruments, probe })
+            let (file, at_mm, growth) = (file.into(), at.value, None);
+            Ok(Part {
+                file,
+                name,
+                program,
+                at_mm,
+                setups,
+                tools,
+                features,
+                tolerances,
+                instruments,
+                probe,
+                temperature,
+                growth,
+            })
+        })
+    }
+
+    /// The part cut on a machine of constant temperature, °C, in place of the temperature or record that it had.
+    ///
+    /// # Errors
+    /// As [`Growth::constant`].
+    pub fn at_temperature(self, model: GrowthModel, machine_c: f64) -> anyhow::Result<Part> {
+        let growth = Some(Growth::constant(model, machine_c)?);
+        let temperature = PartTemperature { machine_c: Some(machine_c), ..self.temperature };
+        Ok(Part { temperature, growth, ..self })
+    }
+
+    /// Growth of the machine while the part is cut.
+    pub(super) fn growth_on(&self, machine: &Machine) -> anyhow::Result<Option<Cow<'_, Growth>>> {
+        Ok(match (&self.growth, self.temperature.machine_c) {
+            (Some(growth), _) => Some(Cow::Borrowed(growth)),
+            (None, Some(celsius)) => Some(Cow::Owned(Growth::constant(GrowthModel::of(machine, None)?, celsius)?)),
+            (None, None) => None,
         })
     }
 

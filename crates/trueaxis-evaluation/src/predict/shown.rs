@@ -1,6 +1,8 @@
 //! Tables of a predicted part.
 
 use super::advise::document::Advice;
+use super::servo::ServoDocument;
+use super::temperature::TemperatureDocument;
 use super::{Known, PredictDocument, Predicted};
 use crate::shown::{Cell, EXPANDED, Shown, Table};
 use trueaxis_metrology::uncertainty::Interval;
@@ -44,18 +46,22 @@ impl PredictDocument {
             let advice = self.advice.as_ref().map_or_else(String::new, |advice| format!(" {}.", advice.sentence()));
             format!("{}.{advice}", parts.collect::<Vec<_>>().join(", "))
         };
-        notes.push("servo, temperature while cutting, tool and process are not included".into());
+        notes.push(format!("{} and process are not included", self.not_included()));
         notes.extend(self.advice.iter().flat_map(Advice::notes));
         let [x, y, z] = self.at_mm.map(shortest);
         Shown {
             title: "Part before it is cut".into(),
-            summary: vec![
+            summary: [
                 self.part.clone(),
                 format!("program {}", self.program),
                 format!("machine {}", self.machine),
                 format!("program zero at X {x}, Y {y}, Z {z} mm"),
                 format!("intervals of {} %", self.confidence_percent),
-            ],
+            ]
+            .into_iter()
+            .chain(self.servo.iter().map(ServoDocument::summary))
+            .chain(self.temperature.iter().flat_map(TemperatureDocument::summary))
+            .collect(),
             result,
             notes,
             tables: std::iter::once(self.verdicts())
@@ -66,14 +72,32 @@ impl PredictDocument {
         }
     }
 
+    /// What the prediction leaves out.
+    fn not_included(&self) -> String {
+        let temperature = self.temperature.as_ref();
+        let is_grown = temperature.is_some_and(|of| !of.sensors.is_empty());
+        let is_part = temperature.is_some_and(|of| of.part_c.is_some());
+        let temperature = match [is_grown, is_part] {
+            [true, true] => None,
+            [false, false] => Some("temperature while cutting"),
+            [true, false] => Some("temperature of the part"),
+            [false, true] => Some("temperature of the machine"),
+        };
+        let servo = if self.servo.is_some() { "uncertainty of the drives" } else { "servo" };
+        [Some(servo), temperature, Some("tool")].into_iter().flatten().collect::<Vec<_>>().join(", ")
+    }
+
     fn verdicts(&self) -> Table {
         let has_known = self.features.iter().any(|of| of.known.is_some());
+        let has_servo = self.servo.is_some();
         let head = ["feature", "tolerance", "uncorrected", "corrected"].into_iter();
         let head = head
+            .chain(has_servo.then_some("everything on"))
             .chain(if has_known { &[EXPANDED, WITHIN, "in tolerance, %", "verdict"][..] } else { &[] }.iter().copied());
         let rows = self.features.iter().map(|of| {
             let mut row: Vec<Cell> = vec![of.title().into(), of.limits().into()];
-            row.extend([of.uncorrected_um, of.corrected_um].map(|um| Cell::fixed(um, 2)));
+            let values = [of.uncorrected_um, of.corrected_um].into_iter().chain(of.everything_um);
+            row.extend(values.map(|um| Cell::fixed(um, 2)));
             if let Some(known) = &of.known {
                 let share = Cell::percent(known.conformance);
                 let Interval { low, high } = known.interval_um;

@@ -3,8 +3,10 @@
 mod advised;
 mod measured;
 mod plant;
+mod servo;
 mod setups;
 mod thirty;
+mod temperature;
 mod trunnion;
 
 use measured::{along, circle, flatness, hole, levelled, line};
