@@ -25,10 +25,13 @@ mod cut;
 mod document;
 mod find;
 mod fit;
+mod live;
 mod locate;
 mod part;
+mod shape;
 mod shown;
 mod unknowns;
+mod used;
 mod verdict;
 
 pub use advise::{
@@ -37,7 +40,9 @@ pub use advise::{
 };
 pub use document::{Contribution, Known, PredictDocument, Predicted};
 pub use find::{find, sections};
+pub use live::{Live, Moved};
 pub use part::{Characteristic, Feature, FeatureKind, Part, Tolerance};
+pub use shape::{Shape, shapes};
 
 use crate::uncertainty::terms::Terms;
 use anyhow::{Result, bail};

@@ -156,22 +156,27 @@ impl Model<'_> {
 
     /// Values of all tolerances of the part that this machine cuts, mm: exact transforms and fits.
     pub(super) fn cut(&self, drawn: &Drawn, state: State) -> Result<Vec<f64>> {
+        self.values(&self.points(drawn, state)?)
+    }
+
+    /// The points of every feature that this machine cuts, mm, in coordinates of the program.
+    pub(super) fn points(&self, drawn: &Drawn, state: State) -> Result<Vec<Vec<DVec3>>> {
         let (machine, along) = machine_of(self.machine, self.terms, &drawn.values);
         let geometry = Geometry::new(&machine, 0.0).map_err(|error| anyhow!("{error}"))?;
-        let points: Vec<Vec<DVec3>> = self
-            .cuts
-            .iter()
-            .enumerate()
-            .map(|(feature, cut)| {
-                let scattered = self.approach(drawn, feature);
-                let along = || along.iter().chain(&scattered);
-                cut.points.iter().map(|point| point.cut(self.machine, &geometry, state, along())).collect()
-            })
-            .collect();
-        let fits = self.nominal.iter().zip(&points).map(|(nominal, points)| nominal.fit(points));
+        let of_feature = |(feature, cut): (usize, &Cut)| {
+            let scattered = self.approach(drawn, feature);
+            let along = || along.iter().chain(&scattered);
+            cut.points.iter().map(|point| point.cut(self.machine, &geometry, state, along())).collect()
+        };
+        Ok(self.cuts.iter().enumerate().map(of_feature).collect())
+    }
+
+    /// Values of all tolerances of the part with these points, mm.
+    pub(super) fn values(&self, points: &[Vec<DVec3>]) -> Result<Vec<f64>> {
+        let fits = self.nominal.iter().zip(points).map(|(nominal, points)| nominal.fit(points));
         let fitted = fits.collect::<Result<Vec<Fitted>>>()?;
         let tolerances = self.part.tolerances.iter();
-        Ok(tolerances.map(|tolerance| value(tolerance, self.nominal, &fitted, &points)).collect())
+        Ok(tolerances.map(|tolerance| value(tolerance, self.nominal, &fitted, points)).collect())
     }
 
     /// Errors of the axes along themselves in the approach of a feature.
