@@ -15,6 +15,7 @@
 
 use super::cut::State;
 use super::document::Outcome;
+use super::room::room;
 use super::shape::{Shape, drawn};
 use super::{CHECKED, Options, Part, PredictDocument, Prepared};
 use anyhow::{Result, bail};
@@ -68,6 +69,16 @@ impl Live {
         let scatter = (0..draws).into_par_iter().map(apart).collect::<Result<Vec<Scatter>>>()?;
         let (machine, stated, program, part) = (machine.clone(), stated.clone(), program.clone(), part.clone());
         Ok(Live { machine, stated, program, part, seed, scatter })
+    }
+
+    /// Lowest and highest place of the program's zero in the machine along X, Y and Z until the program leaves the travel, mm.
+    /// With rotary axes, only near the first place: they carry X, Y and Z along.
+    ///
+    /// # Errors
+    /// A machine without a kinematic chain.
+    pub fn range_mm(&self) -> Result<[[f64; 2]; 3]> {
+        let room = room(&self.machine, &self.program, &self.part)?;
+        Ok(std::array::from_fn(|k| room[k].map(|way| self.part.at_mm[k] + way)))
     }
 
     /// The part with its program's zero at `at_mm` of the machine.

@@ -28,6 +28,7 @@ mod fit;
 mod live;
 mod locate;
 mod part;
+mod room;
 mod shape;
 mod shown;
 mod unknowns;
