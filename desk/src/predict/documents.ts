@@ -54,6 +54,8 @@ export type Text = [name: string, text: string];
 export interface Request {
   part: Text;
   program: Text;
+  /** Programs of further set-ups. */
+  more: Text[];
   at_mm: Vector | null;
   trials: number;
   seed: number;

@@ -24,7 +24,7 @@ export interface ViewState {
 /** Draws in the page; the command line has 10,000. */
 const TRIALS = 1000;
 const NOTHING = "Drop a part.toml with its program, and the machine's folder unless it is the machine shown.";
-const SAMPLE: Request = { part: ["part.toml", partText], program: ["plate.ngc", programText], at_mm: null, trials: TRIALS, seed: 1 };
+const SAMPLE: Request = { part: ["part.toml", partText], program: ["plate.ngc", programText], more: [], at_mm: null, trials: TRIALS, seed: 1 };
 /** Time without a move after which the part is predicted at its new place, ms. */
 const REST_MS = 600;
 
@@ -123,17 +123,18 @@ export class Part {
     }
     const rest = [...texts];
     const part = rest.find(([name]) => name.toLowerCase().endsWith(".toml"));
-    const named = part ? await desk.bench.call("predict_program", part[0], part[1]) : "";
+    const named = part ? (await desk.bench.call("predict_programs", part[0], part[1])).map((path) => path.split("/").at(-1)!) : [];
     const programs = rest.filter((one) => one !== part);
-    const program = programs.find(([name]) => name === named.split("/").at(-1)) ?? programs[0];
+    const program = programs.find(([name]) => name === named[0]) ?? programs[0];
+    const more = programs.filter((one) => one !== program && named.includes(one[0]));
     if (!part && !program) return;
     const old = this.isSample ? undefined : this.request;
-    const request = { ...SAMPLE, trials: this.fields.trials.value, seed: this.fields.seed.value, part: part ?? old?.part, program: program ?? old?.program };
+    const request = { ...SAMPLE, trials: this.fields.trials.value, seed: this.fields.seed.value, part: part ?? old?.part, program: program ?? old?.program, more };
     if (!request.part || !request.program) {
       // The other one may follow.
       this.partial = { part: request.part ?? this.partial.part, program: request.program ?? this.partial.program };
       if (!this.partial.part || !this.partial.program) {
-        this.nothing(request.part ? `${request.part[0]}: open its program${named ? `, ${named}` : ""}, too.` : `${request.program![0]}: open its part.toml, too.`);
+        this.nothing(request.part ? `${request.part[0]}: open its program${named[0] ? `, ${named[0]}` : ""}, too.` : `${request.program![0]}: open its part.toml, too.`);
         return;
       }
       [request.part, request.program] = [this.partial.part, this.partial.program];

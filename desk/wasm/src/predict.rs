@@ -26,6 +26,9 @@ struct Request {
     part: [String; 2],
     /// Name and text of the program.
     program: [String; 2],
+    /// Programs of further set-ups.
+    #[serde(default)]
+    more: Vec<[String; 2]>,
     /// Place of the program's zero; that of the part's file if `null`.
     at_mm: Option<[f64; 3]>,
     trials: u64,
@@ -68,15 +71,26 @@ struct Read {
 }
 
 fn read(files: &str, request: &str) -> Result<Read> {
-    let Request { part: [part_name, part], program: [name, program], at_mm, trials, seed } =
+    let Request { part: [part_name, part], program: [name, program], more, at_mm, trials, seed } =
         serde_json::from_str(request).context("the request of a part")?;
     let mut notes = Vec::new();
     let machine = machine(files, &mut notes)?;
     let stated = Uncertainties::read_from(&memory(files)?, Path::new(DESCRIPTION))?;
     let mut part = Part::read(&part, Path::new(&part_name))?;
     part.at_mm = at_mm.unwrap_or(part.at_mm);
-    let stem = Path::new(&name).file_stem().map_or(name.as_str().into(), |stem| stem.to_string_lossy());
-    let program = Program::parse(&stem, &program, &name)?;
+    let parse = |name: &str, text: &str| {
+        let stem = Path::new(name).file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
+        Program::parse(&stem, text, name)
+    };
+    let program = parse(&name, &program)?;
+    part.read_setups(|file| {
+        let own = Path::new(file).file_name();
+        let [name, text] = more
+            .iter()
+            .find(|[name, _]| Path::new(name).file_name() == own)
+            .with_context(|| format!("{part_name}: found no program {file}, needed it beside the part"))?;
+        anyhow::Ok(parse(name, text)?)
+    })?;
     Ok(Read { machine, stated, program, part, options: Options { trials, seed }, notes })
 }
 
@@ -116,10 +130,14 @@ pub fn predict_at(x_mm: f64, y_mm: f64, z_mm: f64) -> Result<String, Refusal> {
     }))
 }
 
-/// The program that a part's file names, or "".
+/// The programs that a part's file names: the part's own, or "", then those of its further set-ups.
 #[wasm_bindgen]
-pub fn predict_program(name: &str, part: &str) -> Result<String, Refusal> {
-    to_js(Part::read(part, Path::new(name)).map(|part| part.program.unwrap_or_default()).map_err(Into::into))
+pub fn predict_programs(name: &str, part: &str) -> Result<Vec<String>, Refusal> {
+    let named = |part: Part| {
+        let setups = part.setups.into_iter().map(|setup| setup.file);
+        std::iter::once(part.program.unwrap_or_default()).chain(setups).collect()
+    };
+    to_js(Part::read(part, Path::new(name)).map(named).map_err(Into::into))
 }
 
 #[cfg(test)]

@@ -87,20 +87,26 @@ pub(crate) struct PredictArgs {
 }
 
 pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
-    let part = Part::read(&model::text(&arguments.part)?, &arguments.part)?;
+    let mut part = Part::read(&model::text(&arguments.part)?, &arguments.part)?;
     let beside = part.program.as_ref().map(|name| arguments.part.with_file_name(name));
     let Some(path) = arguments.program.clone().or(beside) else {
         bail!("{}: key program: found nothing, needed a G-code file, or --program", arguments.part.display());
     };
-    let source = Source::read(&path)?;
-    let program = Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(&path))?;
+    let read = |path: &Path| -> Result<Program> {
+        let source = Source::read(path)?;
+        Ok(Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(path))?)
+    };
+    let program = read(&path)?;
+    part.read_setups(|file| read(&arguments.part.with_file_name(file)))?;
     if arguments.find {
         let found = sections(&find(&program));
         return data(if found.is_empty() { "# no feature found\n" } else { found.trim_start() });
     }
     let tasks =
         part.instruments.iter().filter_map(|of| of.file.as_ref()).map(|name| arguments.part.with_file_name(name));
-    let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]).chain(tasks);
+    let setups = part.setups.iter().map(|setup| arguments.part.with_file_name(&setup.file));
+    let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]);
+    let inputs = inputs.chain(setups).chain(tasks);
     let mut outputs = Outputs::of(inputs);
     if let Some(to) = &arguments.output {
         outputs.refuse_input(to)?;

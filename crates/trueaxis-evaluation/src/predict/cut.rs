@@ -1,15 +1,16 @@
 //! The points of a part's features, with the axes where the drives bring them while cutting.
 
+use super::fixture::Side;
 use super::locate::{self, Circle, length, turn};
-use super::part::{FeatureKind, Part};
-use crate::compensate::{Model, NoCorrection, Place, Settings, with_model};
+use super::part::{Feature, FeatureKind, Part};
+use crate::compensate::{self, Model, NoCorrection, Settings, with_model};
 use crate::positions::{Travel, in_order};
 use crate::uncertainty::terms::Along;
 use anyhow::{Result, anyhow, bail};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use trueaxis::compensation::Direction;
 use trueaxis::machine::{AXES, Axis};
-use trueaxis_sim::placement::Placement;
+use trueaxis_sim::placement::{Place, Placement};
 use trueaxis_sim::program::{Curve, Move, Program, ProgramError};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
@@ -28,13 +29,15 @@ const END: f64 = 1e-3;
 /// A point of a feature.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
-    /// Programmed point, mm: in workpiece coordinates from the program's zero. With the rotary axes at zero these are the
-    /// program's.
+    /// Programmed point, mm: in workpiece coordinates from the zero of the first set-up's program. With the rotary axes at
+    /// zero these are the program's.
     pub(super) nominal: DVec3,
     pub(super) uncorrected: Reached,
     pub(super) corrected: Reached,
     /// Programmed point from the origin of the workpiece's frame, mm.
     ideal: DVec3,
+    /// Direction from the tip of the tool to the spindle.
+    pub(super) pointing: DVec3,
 }
 
 /// Where the drives bring the axes at a point.
@@ -64,6 +67,11 @@ pub(super) struct Cut {
     pub(super) normal: DVec3,
     /// Centre and radius of a circle.
     pub(super) circle: Option<Circle>,
+    /// Set-up, if not the first, and the directions of its program on the part.
+    pub(super) setup: Option<usize>,
+    pub(super) to_part: DMat3,
+    pub(super) tool: Option<usize>,
+    pub(super) side: Option<Side>,
 }
 
 impl Cut {
@@ -75,6 +83,19 @@ impl Cut {
         }
     }
 
+    /// Moves the feature from the coordinates of its set-up's program to those of the part.
+    fn place(&mut self, to_part: DMat3, zero: DVec3) {
+        for point in &mut self.points {
+            point.nominal = zero + to_part * point.nominal;
+            point.pointing = to_part * point.pointing;
+        }
+        self.normal = to_part * self.normal;
+        if let Some(circle) = &mut self.circle {
+            circle.centre = zero + to_part * circle.centre;
+        }
+        self.to_part = to_part;
+    }
+
     /// Whether a move is a chord of this circle, of which only the end is on it.
     fn is_chord(&self, step: &Move) -> bool {
         let is_straight = step.tool_center || step.turn.change == [0.0; 3];
@@ -83,8 +104,8 @@ impl Cut {
 }
 
 impl Point {
-    /// The point that is cut, in the coordinates of the programmed one, mm; `along`: errors of the axes along themselves.
-    pub(super) fn cut<'a>(
+    /// Error of the point that is cut, in directions of the workpiece's frame, mm; `along`: errors of the axes along themselves.
+    pub(super) fn error<'a>(
         &self,
         machine: &Machine,
         geometry: &Geometry,
@@ -99,7 +120,7 @@ impl Point {
         }
         let slots = |by_axis| in_order(machine.settings.axes.iter().map(|own| own.axis), by_axis);
         let tip = DVec3::from(geometry.actual_pose(&slots(&sent), &slots(&reached.reverse)).tip_mm);
-        self.nominal + (tip - self.ideal)
+        tip - self.ideal
     }
 }
 
@@ -111,13 +132,45 @@ impl Point {
 /// that its lines do not cut.
 pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Result<(Vec<Cut>, Clipped)> {
     has_linear(machine)?;
-    program.check_axes(&machine.settings)?;
-    let placement =
-        Placement::new(machine, part.at_mm).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
-    let found = |feature| locate::found(program, part, feature, &placement);
-    let mut cuts = part.features.iter().map(found).collect::<Result<Vec<_>>>()?;
-    let spacings: Vec<f64> = cuts.iter().map(|cut| spacing(program, cut, &placement)).collect();
     let mut clipped = Clipped::default();
+    let mut cuts: Vec<Option<Cut>> = vec![None; part.features.len()];
+    for setup in std::iter::once(None).chain((0..part.setups.len()).map(Some)) {
+        let own = part.features.iter().enumerate().filter(|(_, feature)| feature.setup == setup);
+        let (indices, features): (Vec<usize>, Vec<&Feature>) = own.unzip();
+        let held = setup.and_then(|setup| part.setups.get(setup));
+        let at_mm = held.map_or(part.at_mm, |held| held.at_mm);
+        let placement =
+            Placement::new(machine, at_mm).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
+        if let Some(missing) = held.filter(|held| held.program.is_none()) {
+            return Err(part
+                .wrong(missing.line, format!("no program {}", missing.file), "the set-up's program")
+                .into());
+        }
+        let program = part.program_of(setup, program);
+        let of_setup = in_setup(machine, program, part, &features, &placement, &mut clipped)?;
+        for (index, mut cut) in indices.into_iter().zip(of_setup) {
+            if let Some(held) = held {
+                cut.place(held.to_part(), DVec3::from(held.zero_mm));
+            }
+            cuts[index] = Some(cut);
+        }
+    }
+    Ok((cuts.into_iter().flatten().collect(), clipped))
+}
+
+/// The features of one set-up, in the coordinates of its program.
+fn in_setup(
+    machine: &Machine,
+    program: &Program,
+    part: &Part,
+    features: &[&Feature],
+    placement: &Placement,
+    clipped: &mut Clipped,
+) -> Result<Vec<Cut>> {
+    program.check_axes(&machine.settings)?;
+    let found = |feature: &&Feature| locate::found(program, part, feature, placement);
+    let mut cuts = features.iter().map(found).collect::<Result<Vec<_>>>()?;
+    let spacings: Vec<f64> = cuts.iter().map(|cut| spacing(program, cut, placement)).collect();
     with_model(machine, &Settings::default(), |model| {
         let mut drives = Drives::new(machine, model);
         for (index, step) in program.moves.iter().enumerate() {
@@ -126,14 +179,14 @@ pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Res
             let spacing = cuts.iter().zip(&spacings).filter(|(cut, _)| used(cut)).map(|(_, spacing)| *spacing);
             let spacing = spacing.reduce(f64::min).filter(|_| is_feature);
             let is_chord = is_feature && cuts.iter().any(|cut| used(cut) && cut.is_chord(step));
-            for u in if is_chord { vec![step.curve.domain().1] } else { parameters(step, spacing, &placement) } {
+            for u in if is_chord { vec![step.curve.domain().1] } else { parameters(step, spacing, placement) } {
                 let command = placement.axes(step, u);
                 within_travel(machine, program, step, &command)?;
                 let ([uncorrected, corrected], wanted) = drives.reach(command)?;
                 if is_feature {
                     clipped.add(&machine.settings, &command, &wanted);
-                    let ideal = placement.place_of(&command).tip;
-                    let point = Point { nominal: ideal - placement.zero(), uncorrected, corrected, ideal };
+                    let Place { tip: ideal, direction: pointing } = placement.place_of(&command);
+                    let point = Point { nominal: ideal - placement.zero(), uncorrected, corrected, ideal, pointing };
                     cuts.iter_mut().filter(|cut| used(cut)).for_each(|cut| cut.points.push(point.clone()));
                 }
             }
@@ -141,7 +194,7 @@ pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Res
         Ok(())
     })?;
     cuts.iter_mut().for_each(Cut::thin);
-    Ok((cuts, clipped))
+    Ok(cuts)
 }
 
 /// Refuses a machine without X, Y or Z.
@@ -220,7 +273,7 @@ impl<'m> Drives<'m> {
         let directions = self.uncorrected.arrive(&command, |_| Ok::<_, NoCorrection>([0.0; AXES]))?;
         let uncorrected = Reached { sent: command, reverse: reverse(directions) };
         let (model, most) = (self.model, self.most);
-        let wanted = |&directions: &[Direction; AXES]| model.correction(&Place { command, directions });
+        let wanted = |&directions: &[Direction; AXES]| model.correction(&compensate::Place { command, directions });
         let limited = |wanted: [f64; AXES]| std::array::from_fn(|index| wanted[index].clamp(-most[index], most[index]));
         let directions = self.corrected.arrive(&command, |directions| wanted(directions).map(limited))?;
         let wanted = wanted(&directions)?;

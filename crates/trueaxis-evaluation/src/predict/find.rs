@@ -26,7 +26,8 @@ pub fn find(program: &Program) -> Vec<Feature> {
         let again = |own: &Feature| own.lines[0] <= lines[1] && lines[0] <= own.lines[1];
         if !features.iter().any(again) {
             let number = 1 + features.iter().filter(|own| own.kind == kind).count();
-            features.push(Feature { name: format!("{} {number}", kind.name()), kind, lines, line: 0 });
+            let name = format!("{} {number}", kind.name());
+            features.push(Feature { name, kind, lines, setup: None, tool: None, side: None, line: 0 });
         }
     }
     features

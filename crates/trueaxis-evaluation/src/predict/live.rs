@@ -42,7 +42,7 @@ pub struct Live {
 
 /// A part at a place.
 #[derive(Clone, Debug)]
-pub struct Moved {
+pub struct There {
     /// Values, intervals and verdicts; the budgets are empty.
     pub document: PredictDocument,
     /// The features as a picture.
@@ -81,11 +81,11 @@ impl Live {
         Ok(std::array::from_fn(|k| room[k].map(|way| self.part.at_mm[k] + way)))
     }
 
-    /// The part with its program's zero at `at_mm` of the machine.
+    /// The part with its program's zero at `at_mm` of the machine; further set-ups stay where they are.
     ///
     /// # Errors
     /// A place at which the program leaves the travel.
-    pub fn at(&self, at_mm: [f64; 3]) -> Result<Moved> {
+    pub fn at(&self, at_mm: [f64; 3]) -> Result<There> {
         let Live { machine, stated, program, seed, .. } = self;
         let part = Part { at_mm, ..self.part.clone() };
         let prepared = Prepared::new(machine, stated, program, &part)?;
@@ -116,6 +116,6 @@ impl Live {
         let options = Options { trials: CHECKED, seed: *seed };
         let document = PredictDocument::new(&model, program, options, [&values[0], &values[1]], outcomes);
         let shapes = drawn(&model, [&uncorrected, &corrected], &document);
-        Ok(Moved { document, shapes })
+        Ok(There { document, shapes })
     }
 }

@@ -155,5 +155,7 @@ pub(super) fn found(program: &Program, part: &Part, feature: &Feature, placement
             (FeatureKind::Line | FeatureKind::Plane, _) => {}
         }
     }
-    Ok(Cut { kind: feature.kind, points: Vec::new(), moves: [*first, *last], normal, circle })
+    let (kind, moves, points) = (feature.kind, [*first, *last], Vec::new());
+    let Feature { setup, tool, side, .. } = *feature;
+    Ok(Cut { kind, points, moves, normal, circle, setup, to_part: DMat3::IDENTITY, tool, side })
 }

@@ -25,6 +25,7 @@ mod cut;
 mod document;
 mod find;
 mod fit;
+mod fixture;
 mod live;
 mod locate;
 mod part;
@@ -41,7 +42,8 @@ pub use advise::{
 };
 pub use document::{Contribution, Known, PredictDocument, Predicted};
 pub use find::{find, sections};
-pub use live::{Live, Moved};
+pub use fixture::{Setup, Side, Tool};
+pub use live::{Live, There};
 pub use part::{Characteristic, Feature, FeatureKind, Part, Tolerance};
 pub use shape::{Shape, shapes};
 
@@ -50,6 +52,7 @@ use anyhow::{Result, bail};
 use cut::{Cut, State};
 use document::Outcome;
 use fit::Nominal;
+use fixture::Moves;
 use trueaxis_metrology::cores::*;
 use trueaxis_sim::program::{Program, ProgramError};
 use trueaxis_tables::Machine;
@@ -111,6 +114,7 @@ struct Prepared {
     cuts: Vec<Cut>,
     nominal: Vec<Nominal>,
     terms: Terms,
+    moves: Vec<Moves>,
 }
 
 impl Prepared {
@@ -126,17 +130,25 @@ impl Prepared {
         datums_first(part, &cuts)?;
         let mut terms = Terms::stated(machine, stated);
         terms.warnings.extend(clipped.notes(&machine.settings, "point"));
-        Ok(Prepared { cuts, nominal, terms })
+        let mut moves = Vec::new();
+        // Set-ups and tools alone allow no verdict on a machine of which nothing is known.
+        if !terms.all.is_empty() {
+            let (held, of_part) = fixture::moves(&part.setups, &part.tools);
+            moves = held;
+            terms.all.extend(of_part);
+        }
+        Ok(Prepared { cuts, nominal, terms, moves })
     }
 
     fn model<'m>(&'m self, machine: &'m Machine, part: &'m Part) -> Model<'m> {
-        Model { machine, part, cuts: &self.cuts, nominal: &self.nominal, terms: &self.terms }
+        Model { machine, part, cuts: &self.cuts, nominal: &self.nominal, terms: &self.terms, moves: &self.moves }
     }
 }
 
 fn nominal(program: &Program, part: &Part, cuts: &[Cut]) -> Result<Vec<Nominal>> {
     let of = |(cut, feature): (&Cut, &Feature)| {
         Nominal::of(cut).map_err(|needed| {
+            let program = part.program_of(feature.setup, program);
             let line = program.moves.get(cut.moves[0]).map_or(0, |step| step.line);
             let found = format!("other lines among those of {}", feature.name);
             ProgramError::new(&program.file, line, found, needed).into()
@@ -149,7 +161,8 @@ fn nominal(program: &Program, part: &Part, cuts: &[Cut]) -> Result<Vec<Nominal>>
 fn datums_first(part: &Part, cuts: &[Cut]) -> Result<()> {
     for tolerance in part.tolerances.iter().filter(|one| one.characteristic != Characteristic::Distance) {
         for datum in &tolerance.datums {
-            if cuts[*datum].moves[1] >= cuts[tolerance.feature].moves[0] {
+            let (datum_cut, own_cut) = (&cuts[*datum], &cuts[tolerance.feature]);
+            if (datum_cut.setup, datum_cut.moves[1]) >= (own_cut.setup, own_cut.moves[0]) {
                 let [own, datum] = [tolerance.feature, *datum].map(|index| &part.features[index]);
                 let found = format!("the datum {}, cut in lines {} to {}", datum.name, datum.lines[0], datum.lines[1]);
                 let needed = format!("a datum that is made before {}, line {}", own.name, own.lines[0]);

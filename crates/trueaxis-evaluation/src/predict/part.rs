@@ -1,8 +1,10 @@
 //! `PART.toml`: where a part stands, its features by lines of the program, and its tolerances.
 
 use super::advise::instrument::{Instrument, Touching, read_instrument, read_probe};
+use super::fixture::{Setup, Side, Tool, named};
 use crate::calibrate::ranges::number;
 use std::path::{Path, PathBuf};
+use trueaxis_sim::program::Program;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::{KeyValue, Section, read_toml};
 
@@ -40,6 +42,12 @@ pub struct Feature {
     pub kind: FeatureKind,
     /// First and last line of the program that cuts it.
     pub lines: [u32; 2],
+    /// Index of the set-up in which it is cut; none for the first.
+    pub setup: Option<usize>,
+    /// Index of its tool.
+    pub tool: Option<usize>,
+    /// Where the tool or the material is.
+    pub side: Option<Side>,
     /// Line in the file.
     pub line: u32,
 }
@@ -145,6 +153,10 @@ pub struct Part {
     pub program: Option<String>,
     /// Program zero in machine coordinates X, Y, Z, mm.
     pub at_mm: [f64; 3],
+    /// Further set-ups in the order of the file, which is that of cutting.
+    pub setups: Vec<Setup>,
+    /// Tools.
+    pub tools: Vec<Tool>,
     /// Features in the order of the file.
     pub features: Vec<Feature>,
     /// Tolerances in the order of the file.
@@ -174,7 +186,10 @@ impl Part {
             if at.value.iter().any(|q| q.abs() > 1e5) {
                 return Err(root.wrong(&at, "at most 100000 mm"));
             }
-            let features = all(&root, "feature")?.into_iter().map(read_feature).collect::<Result<Vec<_>, _>>()?;
+            let setups = all(&root, "setup")?.into_iter().map(Setup::read).collect::<Result<Vec<_>, _>>()?;
+            let tools = all(&root, "tool")?.into_iter().map(Tool::read).collect::<Result<Vec<_>, _>>()?;
+            let feature = |section| read_feature(section, &setups, &tools);
+            let features = all(&root, "feature")?.into_iter().map(feature).collect::<Result<Vec<_>, _>>()?;
             if let Some(double) =
                 (1..features.len()).find(|k| features[..*k].iter().any(|f| f.name == features[*k].name))
             {
@@ -187,8 +202,25 @@ impl Part {
             let instruments = all(&root, "instrument")?.into_iter().map(read_instrument).collect::<Result<_, _>>()?;
             let probe = root.section("probe")?.map_or_else(|| Ok(Touching::default()), read_probe)?;
             root.finish(None)?;
-            Ok(Part { file: file.into(), name, program, at_mm: at.value, features, tolerances, instruments, probe })
+            let (file, at_mm) = (file.into(), at.value);
+            Ok(Part { file, name, program, at_mm, setups, tools, features, tolerances, instruments, probe })
         })
+    }
+
+    /// Reads the programs of the further set-ups.
+    ///
+    /// # Errors
+    /// Those of `read`, which is given the name in the file.
+    pub fn read_setups<E>(&mut self, read: impl Fn(&str) -> Result<Program, E>) -> Result<(), E> {
+        self.setups.iter_mut().try_for_each(|setup| {
+            setup.program = Some(read(&setup.file)?);
+            Ok(())
+        })
+    }
+
+    /// The program of a feature; `first`: that of the first set-up.
+    pub(super) fn program_of<'p>(&'p self, setup: Option<usize>, first: &'p Program) -> &'p Program {
+        setup.and_then(|setup| self.setups.get(setup)?.program.as_ref()).unwrap_or(first)
     }
 
     /// An error at a line of the file.
@@ -208,7 +240,7 @@ fn all<'a>(root: &Section<'a>, key: &str) -> Result<Vec<Section<'a>>, FileError>
     Ok(sections)
 }
 
-fn read_feature(section: Section<'_>) -> Result<Feature, FileError> {
+fn read_feature(section: Section<'_>, setups: &[Setup], tools: &[Tool]) -> Result<Feature, FileError> {
     let line = section.first_line();
     let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
     let kinds = [FeatureKind::Circle, FeatureKind::Hole, FeatureKind::Line, FeatureKind::Plane];
@@ -221,8 +253,21 @@ fn read_feature(section: Section<'_>) -> Result<Feature, FileError> {
     if from.fract() != 0.0 || to.fract() != 0.0 || from < 1.0 || to < from || to > 1e9 {
         return Err(section.wrong(&lines, "first and last line of the program, counted from 1"));
     }
+    let setup = named(&section, "setup", "set-up", setups.iter().map(|own| own.name.as_str()))?;
+    let tool = named(&section, "tool", "tool", tools.iter().map(|own| own.name.as_str()))?;
+    let tool = tool.or((tools.len() == 1).then_some(0));
+    let side = Side::read(&section, kind)?;
+    let has_side = matches!(kind, FeatureKind::Circle | FeatureKind::Line);
+    if has_side && side.is_none() && tool.is_some_and(|tool| tools[tool].radius > 0.0) {
+        let words = if kind == FeatureKind::Circle {
+            "\"inside\" or \"outside\": where the tool is, since its diameter is uncertain"
+        } else {
+            "\"left\" or \"right\": where the material is along the path, since the tool's diameter is uncertain"
+        };
+        return Err(section.missing_here("side", words));
+    }
     section.finish(None)?;
-    Ok(Feature { name, kind, lines: [from as u32, to as u32], line })
+    Ok(Feature { name, kind, lines: [from as u32, to as u32], setup, tool, side, line })
 }
 
 fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Tolerance, FileError> {

@@ -4,6 +4,8 @@ mod advised;
 mod live;
 mod measured;
 mod plant;
+mod setups;
+mod trunnion;
 
 use measured::{along, circle, flatness, hole, levelled, line};
 use plant::{Errors, Known, Place, Step, V, approaches, cut, program, run};
