@@ -26,6 +26,7 @@ mod document;
 mod find;
 mod fit;
 mod fixture;
+mod inputs;
 mod live;
 mod locate;
 mod part;
@@ -43,6 +44,7 @@ pub use advise::{
 pub use document::{Contribution, Known, PredictDocument, Predicted};
 pub use find::{find, sections};
 pub use fixture::{Setup, Side, Tool};
+pub use inputs::{PartFiles, own_task};
 pub use live::{Live, There};
 pub use part::{Characteristic, Feature, FeatureKind, Part, Tolerance};
 pub use shape::{Shape, shapes};
