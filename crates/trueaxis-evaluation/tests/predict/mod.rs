@@ -1,12 +1,13 @@
 //! Predicted parts, against parts that another plant cuts and other formulas measure.
 
 mod advised;
+mod live;
 mod measured;
 mod plant;
 mod servo;
 mod setups;
-mod thirty;
 mod temperature;
+mod thirty;
 mod trunnion;
 
 use measured::{along, circle, flatness, hole, levelled, line};
