@@ -87,17 +87,15 @@ pub(crate) struct PredictArgs {
 }
 
 pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
-    let part = Part::read(&model::text(&arguments.part)?, &arguments.part)?;
-    let beside = part.program.as_ref().map(|name| arguments.part.with_file_name(name));
-    let Some(path) = arguments.program.clone().or(beside) else {
-        bail!("{}: key program: found nothing, needed a G-code file, or --program", arguments.part.display());
-    };
-    let source = Source::read(&path)?;
-    let program = Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(&path))?;
+    let text = model::text(&arguments.part)?;
     if arguments.find {
+        // Features and tolerances may be unfinished.
+        let (program, _) = program_of(arguments, Part::program_of(&text, &arguments.part)?)?;
         let found = sections(&find(&program));
         return data(if found.is_empty() { "# no feature found\n" } else { found.trim_start() });
     }
+    let part = Part::read(&text, &arguments.part)?;
+    let (program, path) = program_of(arguments, part.program.clone())?;
     let tasks =
         part.instruments.iter().filter_map(|of| of.file.as_ref()).map(|name| arguments.part.with_file_name(name));
     let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]).chain(tasks);
@@ -131,6 +129,17 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     outputs.commit()?;
     written.iter().for_each(report_line);
     if arguments.json { json(&document) } else { print(&document.shown().text()) }
+}
+
+/// The program, and its path; `named`: by the part's file.
+fn program_of(arguments: &PredictArgs, named: Option<String>) -> Result<(Program, PathBuf)> {
+    let beside = named.map(|name| arguments.part.with_file_name(name));
+    let Some(path) = arguments.program.clone().or(beside) else {
+        bail!("{}: key program: found nothing, needed a G-code file, or --program", arguments.part.display());
+    };
+    let source = Source::read(&path)?;
+    let program = Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(&path))?;
+    Ok((program, path))
 }
 
 /// Refuses a task of another machine than the predicted one.

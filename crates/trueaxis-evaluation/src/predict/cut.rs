@@ -1,5 +1,6 @@
 //! The points of a part's features, with the axes where the drives bring them while cutting.
 
+use super::chords::circle_of_chords;
 use super::part::{Feature, FeatureKind, Part};
 use crate::compensate::{Model, NoCorrection, Place, Settings, with_model};
 use crate::positions::{Travel, in_order};
@@ -28,6 +29,10 @@ const END: f64 = 1e-3;
 pub(super) struct Point {
     /// Programmed point, mm, in coordinates of the program.
     pub(super) nominal: DVec3,
+    /// Direction of the pass.
+    pub(super) tangent: DVec3,
+    /// Whether it is the end of its move.
+    pub(super) ends: bool,
     pub(super) uncorrected: Reached,
     pub(super) corrected: Reached,
     /// Ideal pose.
@@ -61,6 +66,8 @@ pub(super) struct Cut {
     pub(super) normal: DVec3,
     /// Centre and radius of a circle.
     pub(super) circle: Option<Circle>,
+    /// Of a profile: normals at its points.
+    pub(super) normals: Vec<DVec3>,
 }
 
 /// A circle in the program.
@@ -126,8 +133,10 @@ pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Res
             let is_feature = !step.rapid && cuts.iter().any(used);
             let spacing = cuts.iter().zip(&spacings).filter(|(cut, _)| used(cut)).map(|(_, spacing)| *spacing);
             let spacing = spacing.reduce(f64::min).filter(|_| is_feature);
-            for u in parameters(step, spacing) {
-                let nominal = DVec3::from(step.curve.position(u));
+            let to_end = cuts.iter().any(|cut| used(cut) && cut.is_to_ends(step));
+            for u in parameters(step, spacing, to_end) {
+                let at = step.curve.derivatives(u);
+                let (nominal, tangent) = (DVec3::from(at.position), DVec3::from(at.first).normalize_or_zero());
                 let mut command = [0.0; AXES];
                 command[..3].copy_from_slice(&(nominal + DVec3::from(part.at_mm)).to_array());
                 within_travel(machine, program, step, &command)?;
@@ -136,7 +145,8 @@ pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Res
                     geometry.commanded(&in_order(machine.settings.axes.iter().map(|own| own.axis), &command));
                 if is_feature {
                     clipped.add(&machine.settings, &command, &wanted);
-                    let point = Point { nominal, uncorrected, corrected, commanded };
+                    let ends = u >= step.curve.domain().1;
+                    let point = Point { nominal, tangent, ends, uncorrected, corrected, commanded };
                     cuts.iter_mut().filter(|cut| used(cut)).for_each(|cut| cut.points.push(point.clone()));
                 }
             }
@@ -180,21 +190,42 @@ fn within_travel(machine: &Machine, program: &Program, step: &Move, command: &[f
     Ok(())
 }
 
+impl Cut {
+    /// Without its points.
+    fn of(feature: &Feature, moves: [usize; 2], normal: DVec3) -> Cut {
+        Cut { kind: feature.kind, points: Vec::new(), moves, normal, circle: None, normals: Vec::new() }
+    }
+
+    /// Whether its points are those at the ends of this move and of equal parts of it: of a profile, and of a circle's chords.
+    fn is_to_ends(&self, step: &Move) -> bool {
+        let is_chord = self.kind == FeatureKind::Circle && matches!(step.curve, Curve::Line { .. });
+        self.kind == FeatureKind::Profile || is_chord
+    }
+}
+
 /// Distance between the points of a feature, mm.
 fn spacing(program: &Program, cut: &Cut) -> f64 {
+    if cut.is_to_ends(&program.moves[cut.moves[0]]) {
+        // Only the ends of chords are on the circle; a profile is thinned afterwards.
+        return if cut.kind == FeatureKind::Circle { f64::INFINITY } else { SPACING };
+    }
     let moves = program.moves[cut.moves[0]..=cut.moves[1]].iter().filter(|step| !step.rapid);
     let length: f64 = moves.map(|step| step.curve.length()).sum();
     length / (length / SPACING).clamp(POINTS[0], POINTS[1])
 }
 
-/// Parameters at which a move is evaluated; `spacing`: of the feature that it cuts.
-fn parameters(step: &Move, spacing: Option<f64>) -> Vec<f64> {
+/// Parameters at which a move is evaluated; `spacing`: of the feature that it cuts; `to_end`: at the ends of equal parts.
+fn parameters(step: &Move, spacing: Option<f64>, to_end: bool) -> Vec<f64> {
     let (first, last) = step.curve.domain();
     let between = |count: usize, from: f64| -> Vec<f64> {
         let share = |k: usize| from + (1.0 - 2.0 * from) * k as f64 / (count.max(2) - 1) as f64;
         (0..count.max(2)).map(|k| first + (last - first) * share(k)).collect()
     };
     match (spacing, &step.curve) {
+        (Some(spacing), _) if to_end => {
+            let count = (step.curve.length() / spacing).ceil().max(1.0);
+            (1..=count as usize).map(|k| first + (last - first) * k as f64 / count).collect()
+        }
         (None, Curve::Line { .. }) => vec![last],
         (None, _) => between(BETWEEN, 0.0),
         (Some(_), Curve::Arc { .. }) => {
@@ -269,7 +300,10 @@ fn found(program: &Program, part: &Part, feature: &Feature) -> Result<Cut> {
         return Err(refuse(other, "another line that cuts between them", "lines that cut one after the other"));
     }
     let normal = DVec3::from(step.plane_normal);
-    let mut circle: Option<Circle> = None;
+    let mut circle = chords(&cutting, normal).filter(|_| feature.kind == FeatureKind::Circle);
+    if circle.is_some() {
+        return Ok(Cut { circle, ..Cut::of(feature, [*first, *last], normal) });
+    }
     for (_, step) in &cutting {
         match (feature.kind, &step.curve) {
             (FeatureKind::Circle, Curve::Arc { .. }) => {
@@ -278,7 +312,10 @@ fn found(program: &Program, part: &Part, feature: &Feature) -> Result<Cut> {
                     return Err(refuse(step, "an arc about another centre", "arcs of one circle"));
                 }
             }
-            (FeatureKind::Circle, _) => return Err(refuse(step, "a line or curve", "arcs of one circle alone")),
+            (FeatureKind::Circle, _) => {
+                let needed = "arcs of one circle alone, or chords of at most 30 degrees with their ends on one circle";
+                return Err(refuse(step, "a line or curve", needed));
+            }
             (FeatureKind::Hole, Curve::Line { start, end }) => {
                 let along = (DVec3::from(*end) - DVec3::from(*start)).normalize_or_zero();
                 if along.cross(normal).length() > 1e-9 {
@@ -288,10 +325,22 @@ fn found(program: &Program, part: &Part, feature: &Feature) -> Result<Cut> {
             (FeatureKind::Hole | FeatureKind::Line, Curve::Arc { .. } | Curve::Nurbs { .. }) => {
                 return Err(refuse(step, "an arc or curve", "straight lines"));
             }
-            (FeatureKind::Line | FeatureKind::Plane, _) => {}
+            (FeatureKind::Line | FeatureKind::Plane | FeatureKind::Profile, _) => {}
         }
     }
-    Ok(Cut { kind: feature.kind, points: Vec::new(), moves: [*first, *last], normal, circle })
+    Ok(Cut { circle, ..Cut::of(feature, [*first, *last], normal) })
+}
+
+/// The circle of moves that are all chords.
+fn chords(cutting: &[(usize, &Move)], normal: DVec3) -> Option<Circle> {
+    let lines = cutting.iter().map(|(_, step)| match &step.curve {
+        Curve::Line { start, end } => Some([start, end].map(|point| DVec3::from(*point))),
+        _ => None,
+    });
+    let lines = lines.collect::<Option<Vec<_>>>()?;
+    let ends: Vec<DVec3> =
+        lines.first().map(|[start, _]| *start).into_iter().chain(lines.iter().map(|[_, end]| *end)).collect();
+    circle_of_chords(&ends, normal, NEAR).map(|of| Circle { centre: of.centre, radius: of.radius })
 }
 
 /// Distance below which programmed points are equal, mm: the rounding of a program.

@@ -47,6 +47,9 @@ pub struct Predicted {
     pub feature: String,
     /// The characteristic.
     pub kind: &'static str,
+    /// How a form is associated with its points: `least squares` or `minimum zone`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub association: Option<&'static str>,
     /// Names of the datums; of a distance: the other feature.
     pub datums: Vec<String>,
     /// Predicted value without correction.
@@ -114,6 +117,7 @@ impl PredictDocument {
             part.tolerances.iter().zip(uncorrected.iter().zip(corrected)).map(|(of, (without, with))| Predicted {
                 feature: name(of.feature),
                 kind: of.characteristic.name(),
+                association: of.characteristic.is_form().then(|| of.association.name()),
                 datums: of.datums.iter().copied().map(name).collect(),
                 uncorrected_um: 1e3 * without,
                 corrected_um: 1e3 * with,

@@ -2,12 +2,13 @@
 
 use super::cut::{Circle, Cut, NEAR};
 use super::part::FeatureKind;
+use super::profile::Outline;
 use anyhow::{Result, anyhow};
 use glam::{DMat3, DVec3};
 use trueaxis_metrology::circles::least_squares;
 
 /// Directions and place of a feature as programmed.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Nominal {
     pub(super) kind: FeatureKind,
     /// Centre of a circle or hole, middle of the points of a line or plane.
@@ -18,6 +19,8 @@ pub(super) struct Nominal {
     pub(super) along: DVec3,
     /// Radius of a circle; of a line or plane half of its extent, mm.
     pub(super) size: f64,
+    /// Points and normals of a profile.
+    pub(super) outline: Outline,
 }
 
 impl Nominal {
@@ -47,7 +50,8 @@ impl Nominal {
         let from_line = |point: &DVec3| (*point - middle).reject_from_normalized(along);
         let widest =
             points.iter().map(from_line).max_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or(DVec3::ZERO);
-        let mut nominal = Nominal { kind: cut.kind, centre: middle, normal: cut.normal, along, size };
+        let outline = if cut.kind == FeatureKind::Profile { Outline::of(cut) } else { Outline::default() };
+        let mut nominal = Nominal { kind: cut.kind, centre: middle, normal: cut.normal, along, size, outline };
         match cut.kind {
             FeatureKind::Circle => {
                 let Circle { centre, radius } = cut.circle.unwrap_or(Circle { centre: middle, radius: size });
@@ -78,25 +82,29 @@ impl Nominal {
                 }
                 nominal.normal = normal;
             }
+            FeatureKind::Profile => {}
         }
         Ok(nominal)
     }
 
-    /// Fits the feature to its points.
+    /// Points along its directions, from its centre.
+    pub(super) fn local(&self, points: &[DVec3]) -> Vec<DVec3> {
+        let of = |point: &DVec3| {
+            let from = *point - self.centre;
+            DVec3::new(from.dot(self.along), from.dot(self.across()), from.dot(self.normal))
+        };
+        points.iter().map(of).collect()
+    }
+
+    /// Fits the feature to its points; a profile has no other than its points.
     pub(super) fn fit(&self, points: &[DVec3]) -> Result<Fitted> {
-        let local: Vec<DVec3> = points
-            .iter()
-            .map(|point| {
-                let from = *point - self.centre;
-                DVec3::new(from.dot(self.along), from.dot(self.across()), from.dot(self.normal))
-            })
-            .collect();
+        let local = self.local(points);
         let mean = local.iter().sum::<DVec3>() / local.len().max(1) as f64;
         let to_part = |local: DVec3| local.x * self.along + local.y * self.across() + local.z * self.normal;
         let mut fitted =
             Fitted { centre: self.centre + to_part(mean), facing: self.facing(), diameter: 0.0, form: 0.0 };
         match self.kind {
-            FeatureKind::Hole => {}
+            FeatureKind::Hole | FeatureKind::Profile => {}
             FeatureKind::Circle => {
                 let flat: Vec<[f64; 2]> = local.iter().map(|point| [point.x, point.y]).collect();
                 let circle = least_squares(&flat).map_err(|error| anyhow!("{error}"))?;

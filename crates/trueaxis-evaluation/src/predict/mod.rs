@@ -21,22 +21,26 @@
 
 mod advise;
 mod characteristic;
+mod chords;
 mod cut;
 mod document;
 mod find;
 mod fit;
+mod kinds;
 mod part;
+mod profile;
 mod shown;
 mod unknowns;
 mod verdict;
+mod zone;
 
 pub use advise::{
     Advice, Advised, AdvisedTask, Directed, Elsewhere, Instrument, InstrumentKind, Left, Measurement, Placed, Touching,
     advise, elsewhere,
 };
 pub use document::{Contribution, Known, PredictDocument, Predicted};
-pub use find::{find, sections};
-pub use part::{Characteristic, Feature, FeatureKind, Part, Tolerance};
+pub use find::{Found, LeftOut, find, sections};
+pub use part::{Association, Characteristic, Feature, FeatureKind, Part, Tolerance};
 
 use crate::uncertainty::terms::Terms;
 use anyhow::{Result, bail};
@@ -113,7 +117,8 @@ impl Prepared {
         if part.tolerances.is_empty() {
             bail!("{}: key tolerance: found nothing, needed at least one section [[tolerance]]", part.file.display());
         }
-        let (cuts, clipped) = cut::features(machine, program, part)?;
+        let (mut cuts, clipped) = cut::features(machine, program, part)?;
+        settle_profiles(program, part, &mut cuts)?;
         let nominal = nominal(program, part, &cuts)?;
         characteristic::check(part, &nominal)?;
         datums_first(part, &cuts)?;
@@ -125,6 +130,17 @@ impl Prepared {
     fn model<'m>(&'m self, machine: &'m Machine, part: &'m Part) -> Model<'m> {
         Model { machine, part, cuts: &self.cuts, nominal: &self.nominal, terms: &self.terms }
     }
+}
+
+/// Points and normals of the profiles.
+fn settle_profiles(program: &Program, part: &Part, cuts: &mut [Cut]) -> Result<()> {
+    for (cut, feature) in cuts.iter_mut().zip(&part.features).filter(|(cut, _)| cut.kind == FeatureKind::Profile) {
+        profile::settle(cut).map_err(|(found, needed)| {
+            let line = program.moves.get(cut.moves[0]).map_or(0, |step| step.line);
+            ProgramError::new(&program.file, line, format!("{found}, in the lines of {}", feature.name), needed)
+        })?;
+    }
+    Ok(())
 }
 
 fn nominal(program: &Program, part: &Part, cuts: &[Cut]) -> Result<Vec<Nominal>> {

@@ -1,35 +1,11 @@
 //! `PART.toml`: where a part stands, its features by lines of the program, and its tolerances.
 
 use super::advise::instrument::{Instrument, Touching, read_instrument, read_probe};
+pub use super::kinds::{Association, Characteristic, FeatureKind};
 use crate::calibrate::ranges::number;
 use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::{KeyValue, Section, read_toml};
-
-/// Kind of a feature.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FeatureKind {
-    /// Arcs about one centre.
-    Circle,
-    /// A hole drilled along the plane's normal.
-    Hole,
-    /// An edge cut by the side of the tool along a straight line.
-    Line,
-    /// A surface cut by moves in one plane.
-    Plane,
-}
-
-impl FeatureKind {
-    /// Name in a file.
-    pub fn name(self) -> &'static str {
-        match self {
-            FeatureKind::Circle => "circle",
-            FeatureKind::Hole => "hole",
-            FeatureKind::Line => "line",
-            FeatureKind::Plane => "plane",
-        }
-    }
-}
 
 /// A feature of a part.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,81 +20,6 @@ pub struct Feature {
     pub line: u32,
 }
 
-/// What a tolerance limits; names after ISO 1101, sizes and distances after ISO 14405.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Characteristic {
-    /// Deviation of a circle's diameter.
-    Size,
-    /// Deviation of the distance from another feature.
-    Distance,
-    /// Diameter of the zone about the nominal centre that just contains the centre.
-    Position,
-    /// Width of a line's zone.
-    Straightness,
-    /// Width of a plane's zone.
-    Flatness,
-    /// Width of a circle's zone.
-    Roundness,
-    /// Width of the zone parallel to the datum.
-    Parallelism,
-    /// Width of the zone perpendicular to the datum.
-    Perpendicularity,
-    /// Width of the zone at the programmed angle to the datum.
-    Angularity,
-}
-
-impl Characteristic {
-    /// All of them with their names in a file.
-    pub const NAMES: [(&'static str, Characteristic); 9] = [
-        ("size", Characteristic::Size),
-        ("distance", Characteristic::Distance),
-        ("position", Characteristic::Position),
-        ("straightness", Characteristic::Straightness),
-        ("flatness", Characteristic::Flatness),
-        ("roundness", Characteristic::Roundness),
-        ("parallelism", Characteristic::Parallelism),
-        ("perpendicularity", Characteristic::Perpendicularity),
-        ("angularity", Characteristic::Angularity),
-    ];
-
-    /// Name in a file.
-    pub fn name(self) -> &'static str {
-        Characteristic::NAMES.iter().find(|(_, own)| *own == self).map_or("", |(name, _)| name)
-    }
-
-    /// Whether two limits of a deviation are stated, not the width of a zone.
-    pub fn has_limits(self) -> bool {
-        matches!(self, Characteristic::Size | Characteristic::Distance)
-    }
-
-    /// Kinds of features that have it.
-    fn kinds(self) -> &'static [FeatureKind] {
-        use FeatureKind::{Circle, Hole, Line, Plane};
-        match self {
-            Characteristic::Size | Characteristic::Roundness => &[Circle],
-            Characteristic::Position => &[Circle, Hole],
-            Characteristic::Straightness => &[Line],
-            Characteristic::Flatness => &[Plane],
-            Characteristic::Parallelism | Characteristic::Perpendicularity | Characteristic::Angularity => {
-                &[Line, Plane]
-            }
-            Characteristic::Distance => &[Circle, Hole, Line, Plane],
-        }
-    }
-
-    /// Numbers of datums, least and most.
-    fn datums(self) -> [usize; 2] {
-        match self {
-            Characteristic::Position => [0, 3],
-            Characteristic::Size
-            | Characteristic::Roundness
-            | Characteristic::Straightness
-            | Characteristic::Flatness => [0, 0],
-            _ => [1, 1],
-        }
-    }
-}
-
 /// A tolerance of a feature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tolerance {
@@ -126,6 +27,8 @@ pub struct Tolerance {
     pub feature: usize,
     /// What it limits.
     pub characteristic: Characteristic,
+    /// How a form is associated; least squares for all others.
+    pub association: Association,
     /// Least and greatest value, mm; a zone has no least.
     pub limits: [f64; 2],
     /// Indices of the datums in their order; of a distance: the feature it starts from.
@@ -191,6 +94,17 @@ impl Part {
         })
     }
 
+    /// The program that a part's file names: reads nothing from the first section on, which may be unfinished.
+    ///
+    /// # Errors
+    /// Invalid TOML before the first section; a program that is not a text.
+    pub fn program_of(text: &str, file: &Path) -> Result<Option<String>, FileError> {
+        let head = text.split_inclusive('\n').take_while(|line| !line.trim_start().starts_with('['));
+        read_toml(&head.collect::<String>(), file, |root| {
+            Ok(root.string("program")?.map(|found| found.value.to_owned()))
+        })
+    }
+
     /// An error at a line of the file.
     pub(super) fn wrong(&self, line: u32, found: impl Into<String>, needed: impl Into<String>) -> FileError {
         let (found, needed) = (found.into(), needed.into());
@@ -211,10 +125,9 @@ fn all<'a>(root: &Section<'a>, key: &str) -> Result<Vec<Section<'a>>, FileError>
 fn read_feature(section: Section<'_>) -> Result<Feature, FileError> {
     let line = section.first_line();
     let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
-    let kinds = [FeatureKind::Circle, FeatureKind::Hole, FeatureKind::Line, FeatureKind::Plane];
-    let kind = section.choice("kind", kinds.map(|kind| (kind.name(), kind)))?;
-    let words = "\"circle\", \"hole\", \"line\" or \"plane\"";
-    let kind = kind.ok_or_else(|| section.missing_here("kind", words))?;
+    let kind = section.choice("kind", FeatureKind::NAMES)?;
+    let words = FeatureKind::NAMES.map(|(name, _)| format!("{name:?}")).join(" or ");
+    let kind = kind.ok_or_else(|| section.missing_here("kind", &words))?;
     let lines = section.numbers::<2>("lines")?;
     let lines = lines.ok_or_else(|| section.missing_here("lines", "its first and last line of the program"))?;
     let [from, to] = lines.value;
@@ -271,8 +184,17 @@ fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Toleranc
         let found = if found.is_empty() { String::from("nothing") } else { found.join(", ") };
         return Err(section.at(line, key, &found, needed));
     }
+    if let Some(free) = datums.iter().find(|datum| features[**datum].kind == FeatureKind::Profile) {
+        let found = format!("{}, a profile", features[*free].name);
+        return Err(section.at(line, key, &found, "a circle, hole, line or plane"));
+    }
+    let association = section.choice("association", Association::NAMES)?.unwrap_or_default();
+    if association == Association::MinimumZone && !characteristic.is_form() {
+        let found = format!("{} of a {}", association.name(), characteristic.name());
+        return Err(section.at(line, "association", &found, "one of a straightness, flatness or roundness"));
+    }
     section.finish(None)?;
-    Ok(Tolerance { feature, characteristic, limits, datums, line })
+    Ok(Tolerance { feature, characteristic, association, limits, datums, line })
 }
 
 /// The tolerance itself, mm: the unit is part of the key.

@@ -171,7 +171,7 @@ impl Model<'_> {
         let fits = self.nominal.iter().zip(&points).map(|(nominal, points)| nominal.fit(points));
         let fitted = fits.collect::<Result<Vec<Fitted>>>()?;
         let tolerances = self.part.tolerances.iter();
-        Ok(tolerances.map(|tolerance| value(tolerance, self.nominal, &fitted, &points)).collect())
+        tolerances.map(|tolerance| value(tolerance, self.nominal, &fitted, &points)).collect()
     }
 
     /// Errors of the axes along themselves in the approach of a feature.

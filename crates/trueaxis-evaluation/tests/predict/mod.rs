@@ -251,7 +251,7 @@ fn what_a_contour_an_arc_and_a_helix_are_found_as() {
                 G0 X300 Y-5\nG1 Y65\nX390\nY0\nX295\nM2\n";
     let program = Program::parse("contour", text, "contour.ngc").unwrap();
     let found: Vec<String> =
-        find(&program).iter().map(|of| format!("{} {}-{}", of.name, of.lines[0], of.lines[1])).collect();
+        find(&program).features.iter().map(|of| format!("{} {}-{}", of.name, of.lines[0], of.lines[1])).collect();
     let wanted = [
         "line 1 4-4",
         "line 2 5-5",
