@@ -19,6 +19,8 @@ use trueaxis_tables::limits::Clipped;
 const SPACING: f64 = 2.0;
 const POINTS: [f64; 2] = [17.0, 250.0];
 const TURN_POINTS: [f64; 2] = [72.0, 180.0];
+/// Largest angle between points on an arc of a profile, rad.
+const MOST_TURN: f64 = 0.1;
 /// Positions on an arc or curve that is no feature: they follow the directions of travel and find the ends of its travel.
 const BETWEEN: usize = 64;
 /// Share of a line at its ends without a point: an axis that reverses there has moved beyond its hysteresis.
@@ -31,8 +33,8 @@ pub(super) struct Point {
     pub(super) nominal: DVec3,
     /// Direction of the pass.
     pub(super) tangent: DVec3,
-    /// Whether it is the end of its move.
-    pub(super) ends: bool,
+    /// Whether two straight moves meet there.
+    pub(super) joint: bool,
     pub(super) uncorrected: Reached,
     pub(super) corrected: Reached,
     /// Ideal pose.
@@ -145,8 +147,8 @@ pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Res
                     geometry.commanded(&in_order(machine.settings.axes.iter().map(|own| own.axis), &command));
                 if is_feature {
                     clipped.add(&machine.settings, &command, &wanted);
-                    let ends = u >= step.curve.domain().1;
-                    let point = Point { nominal, tangent, ends, uncorrected, corrected, commanded };
+                    let joint = u >= 1.0 && is_straight(step) && program.moves.get(index + 1).is_some_and(is_straight);
+                    let point = Point { nominal, tangent, joint, uncorrected, corrected, commanded };
                     cuts.iter_mut().filter(|cut| used(cut)).for_each(|cut| cut.points.push(point.clone()));
                 }
             }
@@ -198,16 +200,20 @@ impl Cut {
 
     /// Whether its points are those at the ends of this move and of equal parts of it: of a profile, and of a circle's chords.
     fn is_to_ends(&self, step: &Move) -> bool {
-        let is_chord = self.kind == FeatureKind::Circle && matches!(step.curve, Curve::Line { .. });
-        self.kind == FeatureKind::Profile || is_chord
+        self.kind == FeatureKind::Profile || self.kind == FeatureKind::Circle && is_straight(step)
     }
+}
+
+/// Whether a move cuts along a line.
+fn is_straight(step: &Move) -> bool {
+    !step.rapid && matches!(step.curve, Curve::Line { .. })
 }
 
 /// Distance between the points of a feature, mm.
 fn spacing(program: &Program, cut: &Cut) -> f64 {
     if cut.is_to_ends(&program.moves[cut.moves[0]]) {
         // Only the ends of chords are on the circle; a profile is thinned afterwards.
-        return if cut.kind == FeatureKind::Circle { f64::INFINITY } else { SPACING };
+        return if cut.kind == FeatureKind::Circle { f64::INFINITY } else { 0.5 * SPACING };
     }
     let moves = program.moves[cut.moves[0]..=cut.moves[1]].iter().filter(|step| !step.rapid);
     let length: f64 = moves.map(|step| step.curve.length()).sum();
@@ -223,7 +229,8 @@ fn parameters(step: &Move, spacing: Option<f64>, to_end: bool) -> Vec<f64> {
     };
     match (spacing, &step.curve) {
         (Some(spacing), _) if to_end => {
-            let count = (step.curve.length() / spacing).ceil().max(1.0);
+            let turn = if matches!(step.curve, Curve::Arc { .. }) { turn(&step.curve) } else { 0.0 };
+            let count = (step.curve.length() / spacing).max(turn / MOST_TURN).ceil().max(1.0);
             (1..=count as usize).map(|k| first + (last - first) * k as f64 / count).collect()
         }
         (None, Curve::Line { .. }) => vec![last],

@@ -12,7 +12,7 @@ use super::cut::{Cut, NEAR, Point};
 use glam::DVec3;
 
 /// Points of a profile: mm between them, least and most of them.
-const SPACING: f64 = 2.0;
+const SPACING: f64 = 1.0;
 const POINTS: [f64; 2] = [17.0, 400.0];
 /// Cosine of the largest angle at which two moves approximate a smooth curve: 20°.
 const SMOOTH: f64 = 0.94;
@@ -79,14 +79,28 @@ fn plane_of(places: &[DVec3]) -> Option<Option<DVec3>> {
     Some(is_flat.then_some(across))
 }
 
-/// Directions of the pass at the points; where two moves meet at a small angle, of both.
+/// Directions of the pass at the points. Where two chords of a curve meet it is that of both; at the end of the last one the
+/// curve goes on turning as between it and the chord before.
 fn smoothed(points: &[Point]) -> Vec<DVec3> {
-    let own = |point: &Point| point.tangent;
-    let mean = |(k, point): (usize, &Point)| {
-        let next = points.get(k + 1).filter(|next| point.ends && own(next).dot(own(point)) > SMOOTH);
-        next.map_or(own(point), |next| (own(point) + own(next)).normalize())
+    let goes_on = |k: usize| {
+        let pair = points.get(k).zip(points.get(k + 1)).filter(|(one, _)| one.joint);
+        pair.is_some_and(|(one, next)| one.tangent.dot(next.tangent) > SMOOTH)
     };
-    points.iter().enumerate().map(mean).collect()
+    let length = |k: usize| points[k].nominal.distance(points[k - 1].nominal);
+    let of = |k: usize| {
+        let own = points[k].tangent;
+        if goes_on(k) {
+            return (own + points[k + 1].tangent).normalize();
+        }
+        match k.checked_sub(1).filter(|before| *before > 0 && goes_on(*before) && length(k) < 2.0 * length(*before)) {
+            Some(before) => {
+                let share = length(k) / (length(k) + length(before));
+                (own + share * (own - points[before].tangent)).normalize()
+            }
+            None => own,
+        }
+    };
+    (0..points.len()).map(of).collect()
 }
 
 /// Indices of points that are about equally spaced along the pass.
