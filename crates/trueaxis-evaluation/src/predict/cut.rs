@@ -229,8 +229,13 @@ fn parameters(step: &Move, spacing: Option<f64>, to_end: bool) -> Vec<f64> {
     };
     match (spacing, &step.curve) {
         (Some(spacing), _) if to_end => {
-            let turn = if matches!(step.curve, Curve::Arc { .. }) { turn(&step.curve) } else { 0.0 };
-            let count = (step.curve.length() / spacing).max(turn / MOST_TURN).ceil().max(1.0);
+            let count = match &step.curve {
+                Curve::Line { .. } => step.curve.length() / spacing,
+                Curve::Arc { .. } => (step.curve.length() / spacing).max(turn(&step.curve) / MOST_TURN),
+                // Its speed differs from place to place.
+                Curve::Nurbs { .. } => 4.0 * step.curve.length() / spacing,
+            };
+            let count = count.ceil().max(1.0);
             (1..=count as usize).map(|k| first + (last - first) * k as f64 / count).collect()
         }
         (None, Curve::Line { .. }) => vec![last],

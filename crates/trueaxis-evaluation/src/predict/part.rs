@@ -189,9 +189,9 @@ fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Toleranc
         return Err(section.at(line, key, &found, "a circle, hole, line or plane"));
     }
     let association = section.choice("association", Association::NAMES)?.unwrap_or_default();
-    if association == Association::MinimumZone && !characteristic.is_form() {
-        let found = format!("{} of a {}", association.name(), characteristic.name());
-        return Err(section.at(line, "association", &found, "one of a straightness, flatness or roundness"));
+    if let Some(stated) = section.string("association")?.filter(|_| !characteristic.is_form()) {
+        let found = format!("{} of a {}", stated.value, characteristic.name());
+        return Err(section.at(stated.line, "association", &found, "that of a straightness, flatness or roundness"));
     }
     section.finish(None)?;
     Ok(Tolerance { feature, characteristic, association, limits, datums, line })

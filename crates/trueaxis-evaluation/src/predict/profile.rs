@@ -47,7 +47,7 @@ pub(super) fn settle(cut: &mut Cut) -> Result<(), Wrong> {
         }
     }
     let tangents = smoothed(&cut.points);
-    let chosen = spaced(&places);
+    let chosen = spaced(&places, &tangents);
     let extent = places.iter().map(|place| (*place - places[0]).length()).fold(0.0, f64::max);
     let is_flat = across.is_some();
     let normal = |k: &usize| match across {
@@ -103,8 +103,9 @@ fn smoothed(points: &[Point]) -> Vec<DVec3> {
     (0..points.len()).map(of).collect()
 }
 
-/// Indices of points that are about equally spaced along the pass.
-fn spaced(places: &[DVec3]) -> Vec<usize> {
+/// Indices of points that are about equally spaced along the pass, and of those at its end and at corners, where deviations
+/// are often largest.
+fn spaced(places: &[DVec3], tangents: &[DVec3]) -> Vec<usize> {
     let steps: Vec<f64> =
         std::iter::once(0.0).chain(places.windows(2).map(|pair| (pair[1] - pair[0]).length())).collect();
     let length: f64 = steps.iter().sum();
@@ -113,7 +114,8 @@ fn spaced(places: &[DVec3]) -> Vec<usize> {
     let mut chosen = Vec::new();
     for (k, step) in steps.iter().enumerate() {
         at += step;
-        if at >= next * (1.0 - 1e-9) {
+        let is_end = tangents.get(k + 1).is_none_or(|next| next.dot(tangents[k]) < SMOOTH);
+        if is_end || at >= next * (1.0 - 1e-9) {
             chosen.push(k);
             next = (next + spacing).max(at + 0.5 * spacing);
         }

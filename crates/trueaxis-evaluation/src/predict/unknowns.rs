@@ -3,7 +3,7 @@
 use super::characteristic::value;
 use super::cut::{Cut, State};
 use super::fit::{Fitted, Nominal};
-use super::part::Part;
+use super::part::{Part, Tolerance};
 use crate::uncertainty::monte_carlo::{machine_of, values};
 use crate::uncertainty::terms::{Along, Counts, Effect, Terms};
 use anyhow::{Result, anyhow};
@@ -168,10 +168,15 @@ impl Model<'_> {
                 cut.points.iter().map(|point| point.cut(self.machine, &geometry, state, along())).collect()
             })
             .collect();
-        let fits = self.nominal.iter().zip(&points).map(|(nominal, points)| nominal.fit(points));
+        let at = |line: u32, error: anyhow::Error| anyhow!("{}:{line}: {error}", self.part.file.display());
+        let fits = self.nominal.iter().zip(&points).zip(&self.part.features);
+        let fits =
+            fits.map(|((nominal, points), feature)| nominal.fit(points).map_err(|error| at(feature.line, error)));
         let fitted = fits.collect::<Result<Vec<Fitted>>>()?;
-        let tolerances = self.part.tolerances.iter();
-        tolerances.map(|tolerance| value(tolerance, self.nominal, &fitted, &points)).collect()
+        let of = |tolerance: &Tolerance| {
+            value(tolerance, self.nominal, &fitted, &points).map_err(|error| at(tolerance.line, error))
+        };
+        self.part.tolerances.iter().map(of).collect()
     }
 
     /// Errors of the axes along themselves in the approach of a feature.

@@ -1,7 +1,7 @@
 //! Minimum zones, profiles and inclined planes of a part, against other formulas.
 
 use super::plant::{Errors, Known, Place, Step, V, approaches, cut, dot, program, run, sub};
-use super::{AT, KNOWN, measured, predict_part};
+use super::{AT, KNOWN, measured, predict_drawn, predict_part};
 use std::f64::consts::TAU;
 use trueaxis_testing::noise::Noise;
 use trueaxis_testing::share::share;
@@ -277,7 +277,7 @@ fn forms_and_profiles_of_the_stated_machine_are_predicted() {
 #[test]
 fn of_100_forms_95_are_within_the_predicted_intervals() {
     let (steps, parts) = (steps(), share(2000));
-    let found = predict_part(Some(&KNOWN), &program(&steps), &part(&steps)).unwrap();
+    let found = predict_drawn(Some(&KNOWN), &program(&steps), &part(&steps), 1_000).unwrap();
     let machine = Errors::stated();
     let places: Vec<Place> = run(&steps, AT, &machine, true);
     let known: &Known = &KNOWN;

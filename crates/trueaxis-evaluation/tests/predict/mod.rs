@@ -2,6 +2,7 @@
 
 mod advised;
 mod forms;
+mod found;
 mod measured;
 mod plant;
 
@@ -98,13 +99,18 @@ fn predicted(known: Option<&Known>) -> PredictDocument {
 }
 
 fn predict_part(known: Option<&Known>, program: &str, part: &str) -> anyhow::Result<PredictDocument> {
+    predict_drawn(known, program, part, 2_000)
+}
+
+/// With a tenth of 10,000 draws, or at least so many.
+fn predict_drawn(known: Option<&Known>, program: &str, part: &str, least: usize) -> anyhow::Result<PredictDocument> {
     let files = Memory::new(Errors::stated().files(known));
     let toml = Path::new("machine.toml");
     let machine = Machine::read_from(&files, toml, &mut |_| {}).unwrap();
     let stated = Uncertainties::read_from(&files, toml).unwrap();
     let program = Program::parse("plate", program, "plate.ngc").unwrap();
     let part = Part::read(part, Path::new("part.toml"))?;
-    predict(&machine, &stated, &program, &part, Options { trials: share(10_000).max(2_000) as u64, seed: 7 })
+    predict(&machine, &stated, &program, &part, Options { trials: share(10_000).max(least) as u64, seed: 7 })
 }
 
 /// Measures the tolerances of a part, µm.
