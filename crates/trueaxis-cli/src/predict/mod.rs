@@ -21,12 +21,18 @@ Example:
 pub(crate) const HELP: &str = "\
 The part's file states where the program's zero is in the machine, the lines of the program that cut each feature, and the tolerances:
   name, program, at_mm = [X, Y, Z]
-  [[feature]] with name, kind = circle, hole, line or plane, lines = [first, last]
+  [[feature]] with name, kind = circle, hole, line, plane, profile or flank, lines = [first, last]
+    flank: module_mm, teeth, helix_angle_deg, face_mm; pressure_angle_deg, flank, axis_mm
   [[tolerance]] with feature, kind, and
     limits_um or limits_mm: size, distance (from = another feature)
     width_um or width_mm: position, straightness, flatness, roundness, parallelism,
-      perpendicularity, angularity
-    datums = [...]: position (up to three); parallelism, perpendicularity, angularity (one)
+      perpendicularity, angularity, profile (of a free form)
+    association = minimum zone instead of least squares: straightness, flatness, roundness
+    datums = [...]: position, profile (up to three); parallelism, perpendicularity, angularity (one)
+    class, or width_um, of a slope limits_um: profile total, form or slope, helix total, form or slope
+  [[setup]], a further one, with name, program, at_mm; zero_mm, turned_deg, uncertainty_um, uncertainty_urad
+  [[tool]] with name, diameter_uncertainty_um, length_uncertainty_um
+    a feature states setup, tool, and side if the diameter is uncertain: inside or outside (circle), left or right (line)
 
 The exact geometry of the machine gives the points that are cut, with lost motion by the direction in which each axis \
 arrives, and with corrections as far as their limits in the machine.toml admit. Features are fitted by least squares. \
@@ -47,8 +53,9 @@ better place in X and Y; features better cut in the other direction because of l
 correction gives another verdict. -o writes the task for \
 `trueaxis calibrate plan`.
 
---find is a start for the part's file, which then needs only name, program and at_mm. It finds full circles, holes, planes \
-milled line by line, and straight lines in the plane of G17, G18 or G19; delete those that are not finished surfaces.
+--find is a start for the part's file; it reads only program from it. It finds full circles of arcs or chords, holes, planes \
+milled line by line, free forms (profile), and straight lines in the plane of G17, G18 or G19. Of passes that repeat one \
+another the last is the feature; a comment names the others. Delete those that are not finished surfaces.
 
 Sizes are those of a tool of exactly its nominal diameter.";
 
@@ -90,15 +97,18 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     let text = model::text(&arguments.part)?;
     if arguments.find {
         // Features and tolerances may be unfinished.
-        let (program, _) = program_of(arguments, Part::program_of(&text, &arguments.part)?)?;
+        let (program, _) = program_of(arguments, Part::first_program(&text, &arguments.part)?)?;
         let found = sections(&find(&program));
         return data(if found.is_empty() { "# no feature found\n" } else { found.trim_start() });
     }
-    let part = Part::read(&text, &arguments.part)?;
+    let mut part = Part::read(&text, &arguments.part)?;
     let (program, path) = program_of(arguments, part.program.clone())?;
+    part.read_setups(|file| read_program(&arguments.part.with_file_name(file)))?;
     let tasks =
         part.instruments.iter().filter_map(|of| of.file.as_ref()).map(|name| arguments.part.with_file_name(name));
-    let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]).chain(tasks);
+    let setups = part.setups.iter().map(|setup| arguments.part.with_file_name(&setup.file));
+    let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]);
+    let inputs = inputs.chain(setups).chain(tasks);
     let mut outputs = Outputs::of(inputs);
     if let Some(to) = &arguments.output {
         outputs.refuse_input(to)?;
@@ -137,9 +147,12 @@ fn program_of(arguments: &PredictArgs, named: Option<String>) -> Result<(Program
     let Some(path) = arguments.program.clone().or(beside) else {
         bail!("{}: key program: found nothing, needed a G-code file, or --program", arguments.part.display());
     };
-    let source = Source::read(&path)?;
-    let program = Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(&path))?;
-    Ok((program, path))
+    Ok((read_program(&path)?, path))
+}
+
+fn read_program(path: &Path) -> Result<Program> {
+    let source = Source::read(path)?;
+    Ok(Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(path))?)
 }
 
 /// Refuses a task of another machine than the predicted one.

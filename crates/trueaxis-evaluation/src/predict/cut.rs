@@ -1,17 +1,20 @@
 //! The points of a part's features, with the axes where the drives bring them while cutting.
 
-use super::chords::circle_of_chords;
+use super::fixture::Side;
+use super::gear::GearFlank;
+use super::locate::{self, Circle, length, turn};
 use super::part::{Feature, FeatureKind, Part};
-use crate::compensate::{Model, NoCorrection, Place, Settings, with_model};
+use crate::compensate::{self, Model, NoCorrection, Settings, with_model};
 use crate::positions::{Travel, in_order};
 use crate::uncertainty::terms::Along;
 use anyhow::{Result, anyhow, bail};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use trueaxis::compensation::Direction;
 use trueaxis::machine::{AXES, Axis};
-use trueaxis_sim::program::{Curve, Move, Program, ProgramError, ROTARY_LETTERS};
+use trueaxis_sim::placement::{Place, Placement};
+use trueaxis_sim::program::{Curve, Move, Program, ProgramError};
 use trueaxis_tables::Machine;
-use trueaxis_tables::exact::{Commanded, Geometry};
+use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::limits::Clipped;
 
 /// Spacing of the points of a feature, mm, and about how many of them a feature has at least and at most (an arc: on a full
@@ -21,6 +24,8 @@ const POINTS: [f64; 2] = [17.0, 250.0];
 const TURN_POINTS: [f64; 2] = [72.0, 180.0];
 /// Largest angle between points on an arc of a profile, rad.
 const MOST_TURN: f64 = 0.1;
+/// Share of a move over which its direction is taken.
+const AROUND: f64 = 1e-4;
 /// Positions on an arc or curve that is no feature: they follow the directions of travel and find the ends of its travel.
 const BETWEEN: usize = 64;
 /// Share of a line at its ends without a point: an axis that reverses there has moved beyond its hysteresis.
@@ -29,16 +34,19 @@ const END: f64 = 1e-3;
 /// A point of a feature.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
-    /// Programmed point, mm, in coordinates of the program.
+    /// Programmed point, mm: in workpiece coordinates from the zero of the first set-up's program. With the rotary axes at
+    /// zero these are the program's.
     pub(super) nominal: DVec3,
-    /// Direction of the pass.
+    /// Direction of the pass; zero on a feature that is no profile.
     pub(super) tangent: DVec3,
     /// Whether two straight moves meet there.
     pub(super) joint: bool,
     pub(super) uncorrected: Reached,
     pub(super) corrected: Reached,
-    /// Ideal pose.
-    commanded: Commanded,
+    /// Programmed point from the origin of the workpiece's frame, mm.
+    ideal: DVec3,
+    /// Direction from the tip of the tool to the spindle.
+    pub(super) pointing: DVec3,
 }
 
 /// Where the drives bring the axes at a point.
@@ -64,40 +72,56 @@ pub(super) struct Cut {
     pub(super) points: Vec<Point>,
     /// First and last of its moves in the order of the program.
     pub(super) moves: [usize; 2],
-    /// Normal of the plane that is active where it is cut.
+    /// Normal of the plane that is active where it is cut, in workpiece coordinates.
     pub(super) normal: DVec3,
     /// Centre and radius of a circle.
     pub(super) circle: Option<Circle>,
+    /// Set-up, if not the first, and the directions of its program on the part.
+    pub(super) setup: Option<usize>,
+    pub(super) to_part: DMat3,
+    pub(super) tool: Option<usize>,
+    pub(super) side: Option<Side>,
+    pub(super) gear: Option<GearFlank>,
     /// Of a profile: normals at its points.
     pub(super) normals: Vec<DVec3>,
 }
 
-/// A circle in the program.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Circle {
-    pub(super) centre: DVec3,
-    pub(super) radius: f64,
-}
+impl Cut {
+    /// Leaves as many of the ends of a circle's chords as a circle has points.
+    fn thin(&mut self) {
+        if self.kind == FeatureKind::Circle && self.circle.is_none() {
+            let every = self.points.len().div_ceil(TURN_POINTS[1] as usize).max(1);
+            self.points = self.points.iter().step_by(every).cloned().collect();
+        }
+    }
 
-impl Circle {
-    /// Whether another circle is the same within the rounding of a program.
-    pub(super) fn is_near(&self, other: &Circle) -> bool {
-        (self.centre - other.centre).length() <= NEAR && (self.radius - other.radius).abs() <= NEAR
+    /// Moves the feature from the coordinates of its set-up's program to those of the part.
+    fn place(&mut self, to_part: DMat3, zero: DVec3) {
+        for point in &mut self.points {
+            point.nominal = zero + to_part * point.nominal;
+            point.pointing = to_part * point.pointing;
+            point.tangent = to_part * point.tangent;
+        }
+        self.normal = to_part * self.normal;
+        if let Some(circle) = &mut self.circle {
+            circle.centre = zero + to_part * circle.centre;
+        }
+        self.to_part = to_part;
+    }
+
+    /// Whether only the end of a move is on the feature: a chord of a circle, a step over a flank.
+    fn is_chord(&self, step: &Move) -> bool {
+        let is_straight = step.tool_center || step.turn.change == [0.0; 3];
+        match self.kind {
+            FeatureKind::Circle => self.circle.is_none() && is_straight,
+            kind => kind == FeatureKind::Flank,
+        }
     }
 }
 
-/// The circle of an arc; none for another curve or a helix.
-pub(super) fn circle_of(step: &Move) -> Option<Circle> {
-    let Curve::Arc { start, end, center, normal, .. } = &step.curve else { return None };
-    let [start, end, center, axis] = [start, end, center, normal].map(|point| DVec3::from(*point));
-    let centre = center + axis * (start - center).dot(axis);
-    let is_level = (end - centre).dot(axis).abs() <= NEAR;
-    is_level.then(|| Circle { centre, radius: (start - centre).length() })
-}
-
 impl Point {
-    /// The point that is cut, in coordinates of the program, mm; `along`: errors of the axes along themselves.
-    pub(super) fn cut<'a>(
+    /// Error of the point that is cut, in directions of the workpiece's frame, mm; `along`: errors of the axes along themselves.
+    pub(super) fn error<'a>(
         &self,
         machine: &Machine,
         geometry: &Geometry,
@@ -111,8 +135,8 @@ impl Point {
             sent[index] += one.moves(reached.sent[index], reached.reverse[index]);
         }
         let slots = |by_axis| in_order(machine.settings.axes.iter().map(|own| own.axis), by_axis);
-        let tip = geometry.pose_error_of(&self.commanded, &slots(&sent), &slots(&reached.reverse)).tip_mm;
-        self.nominal + DVec3::from(tip)
+        let tip = DVec3::from(geometry.actual_pose(&slots(&sent), &slots(&reached.reverse)).tip_mm);
+        tip - self.ideal
     }
 }
 
@@ -120,14 +144,49 @@ impl Point {
 /// their points.
 ///
 /// # Errors
-/// A machine without X, Y or Z; a program that turns rotary axes or leaves the travel; features that its lines do not cut.
+/// A machine without X, Y or Z, or without a rotary axis that the program turns; a program that leaves the travel; features
+/// that its lines do not cut.
 pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Result<(Vec<Cut>, Clipped)> {
-    linear_only(program)?;
     has_linear(machine)?;
-    let mut cuts = part.features.iter().map(|feature| found(program, part, feature)).collect::<Result<Vec<_>>>()?;
-    let geometry = Geometry::new(machine, 0.0).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
-    let spacings: Vec<f64> = cuts.iter().map(|cut| spacing(program, cut)).collect();
     let mut clipped = Clipped::default();
+    let mut cuts: Vec<Option<Cut>> = vec![None; part.features.len()];
+    for setup in std::iter::once(None).chain((0..part.setups.len()).map(Some)) {
+        let own = part.features.iter().enumerate().filter(|(_, feature)| feature.setup == setup);
+        let (indices, features): (Vec<usize>, Vec<&Feature>) = own.unzip();
+        let held = setup.and_then(|setup| part.setups.get(setup));
+        let at_mm = held.map_or(part.at_mm, |held| held.at_mm);
+        let placement =
+            Placement::new(machine, at_mm).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
+        if let Some(missing) = held.filter(|held| held.program.is_none()) {
+            return Err(part
+                .wrong(missing.line, format!("no program {}", missing.file), "the set-up's program")
+                .into());
+        }
+        let program = part.program_of(setup, program);
+        let of_setup = in_setup(machine, program, part, &features, &placement, &mut clipped)?;
+        for (index, mut cut) in indices.into_iter().zip(of_setup) {
+            if let Some(held) = held {
+                cut.place(held.to_part(), DVec3::from(held.zero_mm));
+            }
+            cuts[index] = Some(cut);
+        }
+    }
+    Ok((cuts.into_iter().flatten().collect(), clipped))
+}
+
+/// The features of one set-up, in the coordinates of its program.
+fn in_setup(
+    machine: &Machine,
+    program: &Program,
+    part: &Part,
+    features: &[&Feature],
+    placement: &Placement,
+    clipped: &mut Clipped,
+) -> Result<Vec<Cut>> {
+    program.check_axes(&machine.settings)?;
+    let found = |feature: &&Feature| locate::found(program, part, feature, placement);
+    let mut cuts = features.iter().map(found).collect::<Result<Vec<_>>>()?;
+    let spacings: Vec<f64> = cuts.iter().map(|cut| spacing(program, cut, placement)).collect();
     with_model(machine, &Settings::default(), |model| {
         let mut drives = Drives::new(machine, model);
         for (index, step) in program.moves.iter().enumerate() {
@@ -135,38 +194,32 @@ pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Res
             let is_feature = !step.rapid && cuts.iter().any(used);
             let spacing = cuts.iter().zip(&spacings).filter(|(cut, _)| used(cut)).map(|(_, spacing)| *spacing);
             let spacing = spacing.reduce(f64::min).filter(|_| is_feature);
-            let to_end = cuts.iter().any(|cut| used(cut) && cut.is_to_ends(step));
-            for u in parameters(step, spacing, to_end) {
-                let at = step.curve.derivatives(u);
-                let (nominal, tangent) = (DVec3::from(at.position), DVec3::from(at.first).normalize_or_zero());
-                let mut command = [0.0; AXES];
-                command[..3].copy_from_slice(&(nominal + DVec3::from(part.at_mm)).to_array());
+            let is_chord = is_feature && cuts.iter().any(|cut| used(cut) && cut.is_chord(step));
+            let is_profile = is_feature && cuts.iter().any(|cut| used(cut) && cut.kind == FeatureKind::Profile);
+            let parameters = match spacing {
+                _ if is_chord => vec![step.curve.domain().1],
+                Some(_) if is_profile => to_end(step, placement),
+                _ => parameters(step, spacing, placement),
+            };
+            for u in parameters {
+                let command = placement.axes(step, u);
                 within_travel(machine, program, step, &command)?;
                 let ([uncorrected, corrected], wanted) = drives.reach(command)?;
-                let commanded =
-                    geometry.commanded(&in_order(machine.settings.axes.iter().map(|own| own.axis), &command));
                 if is_feature {
                     clipped.add(&machine.settings, &command, &wanted);
+                    let Place { tip: ideal, direction: pointing } = placement.place_of(&command);
+                    let nominal = ideal - placement.zero();
+                    let tangent = if is_profile { tangent(step, u, placement) } else { DVec3::ZERO };
                     let joint = u >= 1.0 && is_straight(step) && program.moves.get(index + 1).is_some_and(is_straight);
-                    let point = Point { nominal, tangent, joint, uncorrected, corrected, commanded };
+                    let point = Point { nominal, tangent, joint, uncorrected, corrected, ideal, pointing };
                     cuts.iter_mut().filter(|cut| used(cut)).for_each(|cut| cut.points.push(point.clone()));
                 }
             }
         }
         Ok(())
     })?;
-    Ok((cuts, clipped))
-}
-
-/// Refuses a program with rotary axes.
-fn linear_only(program: &Program) -> Result<()> {
-    let rotary = program.first.rotary.into_iter().zip(ROTARY_LETTERS);
-    let words = rotary.filter_map(|(line, letter)| Some((line?, format!("a word of axis {letter}"))));
-    let words = words.chain(program.first.tool_center.map(|line| (line, String::from("G43.4"))));
-    match words.min() {
-        Some((line, found)) => Err(ProgramError::new(&program.file, line, found, "motion of X, Y and Z alone").into()),
-        None => Ok(()),
-    }
+    cuts.iter_mut().for_each(Cut::thin);
+    Ok(cuts)
 }
 
 /// Refuses a machine without X, Y or Z.
@@ -181,64 +234,36 @@ fn has_linear(machine: &Machine) -> Result<()> {
 }
 
 fn within_travel(machine: &Machine, program: &Program, step: &Move, command: &[f64; AXES]) -> Result<()> {
-    for own in machine.settings.axes.iter().filter(|own| !own.axis.is_rotary()) {
+    // A rotary axis that the program does not turn stays where it is.
+    let counted = |axis: Axis| !axis.is_rotary() || program.is_five_axis();
+    for own in machine.settings.axes.iter().filter(|own| counted(own.axis)) {
         let (q, [low, high]) = (command[own.axis.index()], own.travel);
         if q < low || q > high {
-            let found = format!("axis {} at {q:.3} mm", own.axis.letter());
-            let needed = format!("within its travel, {low} to {high} mm, with the part at at_mm");
+            let unit = if own.axis.is_rotary() { "degrees" } else { "mm" };
+            let found = format!("axis {} at {q:.3} {unit}", own.axis.letter());
+            let needed = format!("within its travel, {low} to {high} {unit}, with the part at at_mm");
             return Err(ProgramError::new(&program.file, step.line, found, needed).into());
         }
     }
     Ok(())
 }
 
-impl Cut {
-    /// Without its points.
-    fn of(feature: &Feature, moves: [usize; 2], normal: DVec3) -> Cut {
-        Cut { kind: feature.kind, points: Vec::new(), moves, normal, circle: None, normals: Vec::new() }
-    }
-
-    /// Whether its points are those at the ends of this move and of equal parts of it: of a profile, and of a circle's chords.
-    fn is_to_ends(&self, step: &Move) -> bool {
-        self.kind == FeatureKind::Profile || self.kind == FeatureKind::Circle && is_straight(step)
-    }
-}
-
-/// Whether a move cuts along a line.
-fn is_straight(step: &Move) -> bool {
-    !step.rapid && matches!(step.curve, Curve::Line { .. })
-}
-
 /// Distance between the points of a feature, mm.
-fn spacing(program: &Program, cut: &Cut) -> f64 {
-    if cut.is_to_ends(&program.moves[cut.moves[0]]) {
-        // Only the ends of chords are on the circle; a profile is thinned afterwards.
-        return if cut.kind == FeatureKind::Circle { f64::INFINITY } else { 0.5 * SPACING };
-    }
+fn spacing(program: &Program, cut: &Cut, placement: &Placement) -> f64 {
     let moves = program.moves[cut.moves[0]..=cut.moves[1]].iter().filter(|step| !step.rapid);
-    let length: f64 = moves.map(|step| step.curve.length()).sum();
+    let length: f64 = moves.map(|step| length(placement, step)).sum();
     length / (length / SPACING).clamp(POINTS[0], POINTS[1])
 }
 
-/// Parameters at which a move is evaluated; `spacing`: of the feature that it cuts; `to_end`: at the ends of equal parts.
-fn parameters(step: &Move, spacing: Option<f64>, to_end: bool) -> Vec<f64> {
+/// Parameters at which a move is evaluated; `spacing`: of the feature that it cuts.
+pub(super) fn parameters(step: &Move, spacing: Option<f64>, placement: &Placement) -> Vec<f64> {
     let (first, last) = step.curve.domain();
     let between = |count: usize, from: f64| -> Vec<f64> {
         let share = |k: usize| from + (1.0 - 2.0 * from) * k as f64 / (count.max(2) - 1) as f64;
         (0..count.max(2)).map(|k| first + (last - first) * share(k)).collect()
     };
     match (spacing, &step.curve) {
-        (Some(spacing), _) if to_end => {
-            let count = match &step.curve {
-                Curve::Line { .. } => step.curve.length() / spacing,
-                Curve::Arc { .. } => (step.curve.length() / spacing).max(turn(&step.curve) / MOST_TURN),
-                // Its speed differs from place to place.
-                Curve::Nurbs { .. } => 4.0 * step.curve.length() / spacing,
-            };
-            let count = count.ceil().max(1.0);
-            (1..=count as usize).map(|k| first + (last - first) * k as f64 / count).collect()
-        }
-        (None, Curve::Line { .. }) => vec![last],
+        (None, Curve::Line { .. }) if step.turn.change == [0.0; 3] => vec![last],
         (None, _) => between(BETWEEN, 0.0),
         (Some(_), Curve::Arc { .. }) => {
             let turns = turn(&step.curve) / std::f64::consts::TAU;
@@ -247,16 +272,34 @@ fn parameters(step: &Move, spacing: Option<f64>, to_end: bool) -> Vec<f64> {
             // The middles of equal parts: the ends of a full turn would count twice.
             (0..count as usize).map(|k| first + (last - first) * (k as f64 + 0.5) / count).collect()
         }
-        (Some(spacing), _) => between(1 + (step.curve.length() / spacing).ceil() as usize, END),
+        (Some(spacing), _) => between(1 + (length(placement, step) / spacing).ceil() as usize, END),
     }
 }
 
-/// Angle of an arc, rad.
-pub(super) fn turn(arc: &Curve) -> f64 {
-    let (Curve::Arc { center, .. }, (first, last)) = (arc, arc.domain()) else { return std::f64::consts::TAU };
-    let [start, end] = [first, last].map(|u| DVec3::from(arc.position(u)));
-    let radius = 0.5 * ((start - DVec3::from(*center)).length() + (end - DVec3::from(*center)).length());
-    arc.length() / radius.max(f64::MIN_POSITIVE)
+/// Parameters at the ends of equal parts of a profile's move; it is thinned afterwards.
+fn to_end(step: &Move, placement: &Placement) -> Vec<f64> {
+    let (first, last) = step.curve.domain();
+    let parts = length(placement, step) / (0.5 * SPACING);
+    let count = match &step.curve {
+        Curve::Line { .. } => parts,
+        Curve::Arc { .. } => parts.max(turn(&step.curve) / MOST_TURN),
+        // Its speed differs from place to place.
+        Curve::Nurbs { .. } => 4.0 * parts,
+    };
+    let count = count.ceil().max(1.0);
+    (1..=count as usize).map(|k| first + (last - first) * k as f64 / count).collect()
+}
+
+/// Direction of the tip's path on the workpiece.
+fn tangent(step: &Move, u: f64, placement: &Placement) -> DVec3 {
+    let (first, last) = step.curve.domain();
+    let [before, after] = [u - AROUND * (last - first), u].map(|u| placement.place(step, u).tip);
+    (after - before).normalize_or_zero()
+}
+
+/// Whether a move cuts along a line.
+fn is_straight(step: &Move) -> bool {
+    !step.rapid && matches!(step.curve, Curve::Line { .. }) && (step.tool_center || step.turn.change == [0.0; 3])
 }
 
 /// The drives along the program, with and without correction.
@@ -281,7 +324,7 @@ impl<'m> Drives<'m> {
         let directions = self.uncorrected.arrive(&command, |_| Ok::<_, NoCorrection>([0.0; AXES]))?;
         let uncorrected = Reached { sent: command, reverse: reverse(directions) };
         let (model, most) = (self.model, self.most);
-        let wanted = |&directions: &[Direction; AXES]| model.correction(&Place { command, directions });
+        let wanted = |&directions: &[Direction; AXES]| model.correction(&compensate::Place { command, directions });
         let limited = |wanted: [f64; AXES]| std::array::from_fn(|index| wanted[index].clamp(-most[index], most[index]));
         let directions = self.corrected.arrive(&command, |directions| wanted(directions).map(limited))?;
         let wanted = wanted(&directions)?;
@@ -290,70 +333,3 @@ impl<'m> Drives<'m> {
         Ok(([uncorrected, Reached { sent, reverse: reverse(directions) }], wanted))
     }
 }
-
-/// A feature without its points, from the moves of its lines.
-fn found(program: &Program, part: &Part, feature: &Feature) -> Result<Cut> {
-    let [from, to] = feature.lines;
-    let of_lines = |step: &Move| (from..=to).contains(&step.line);
-    let cutting: Vec<(usize, &Move)> =
-        program.moves.iter().enumerate().filter(|(_, step)| of_lines(step) && !step.rapid).collect();
-    let (Some((first, step)), Some((last, _))) = (cutting.first(), cutting.last()) else {
-        let motion = if program.moves.iter().any(of_lines) { "rapid motion alone" } else { "no motion" };
-        let found = format!("{motion} in lines {from} to {to} of {}", program.file);
-        let needed = format!("lines that cut {}", feature.name);
-        return Err(part.wrong(feature.line, found, needed).into());
-    };
-    let refuse = |step: &Move, found: &str, needed: &str| -> anyhow::Error {
-        let found = format!("{found}, in the lines of {}", feature.name);
-        ProgramError::new(&program.file, step.line, found, needed).into()
-    };
-    let between = &program.moves[*first..=*last];
-    if let Some(other) = between.iter().find(|step| !step.rapid && !of_lines(step)) {
-        return Err(refuse(other, "another line that cuts between them", "lines that cut one after the other"));
-    }
-    let normal = DVec3::from(step.plane_normal);
-    let mut circle = chords(&cutting, normal).filter(|_| feature.kind == FeatureKind::Circle);
-    if circle.is_some() {
-        return Ok(Cut { circle, ..Cut::of(feature, [*first, *last], normal) });
-    }
-    for (_, step) in &cutting {
-        match (feature.kind, &step.curve) {
-            (FeatureKind::Circle, Curve::Arc { .. }) => {
-                let own = circle_of(step).filter(|own| circle.get_or_insert(*own).is_near(own));
-                if own.is_none() {
-                    return Err(refuse(step, "an arc about another centre", "arcs of one circle"));
-                }
-            }
-            (FeatureKind::Circle, _) => {
-                let needed = "arcs of one circle alone, or chords of at most 30 degrees with their ends on one circle";
-                return Err(refuse(step, "a line or curve", needed));
-            }
-            (FeatureKind::Hole, Curve::Line { start, end }) => {
-                let along = (DVec3::from(*end) - DVec3::from(*start)).normalize_or_zero();
-                if along.cross(normal).length() > 1e-9 {
-                    return Err(refuse(step, "motion across the hole", "motion along the normal of G17, G18 or G19"));
-                }
-            }
-            (FeatureKind::Hole | FeatureKind::Line, Curve::Arc { .. } | Curve::Nurbs { .. }) => {
-                return Err(refuse(step, "an arc or curve", "straight lines"));
-            }
-            (FeatureKind::Line | FeatureKind::Plane | FeatureKind::Profile, _) => {}
-        }
-    }
-    Ok(Cut { circle, ..Cut::of(feature, [*first, *last], normal) })
-}
-
-/// The circle of moves that are all chords.
-fn chords(cutting: &[(usize, &Move)], normal: DVec3) -> Option<Circle> {
-    let lines = cutting.iter().map(|(_, step)| match &step.curve {
-        Curve::Line { start, end } => Some([start, end].map(|point| DVec3::from(*point))),
-        _ => None,
-    });
-    let lines = lines.collect::<Option<Vec<_>>>()?;
-    let ends: Vec<DVec3> =
-        lines.first().map(|[start, _]| *start).into_iter().chain(lines.iter().map(|[_, end]| *end)).collect();
-    circle_of_chords(&ends, normal, NEAR).map(|of| Circle { centre: of.centre, radius: of.radius })
-}
-
-/// Distance below which programmed points are equal, mm: the rounding of a program.
-pub(super) const NEAR: f64 = 2e-3;

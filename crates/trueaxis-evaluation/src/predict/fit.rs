@@ -1,11 +1,16 @@
 //! Least-squares features through the points that are cut (ISO 14405-1, ISO 12180 to 12781: association by least squares).
 
-use super::cut::{Circle, Cut, NEAR};
+use super::cut::Cut;
+use super::gear::Traces;
+use super::locate::{Circle, NEAR, circle_through};
 use super::part::FeatureKind;
 use super::profile::Outline;
 use anyhow::{Result, anyhow};
 use glam::{DMat3, DVec3};
 use trueaxis_metrology::circles::least_squares;
+
+/// Fewest points of a circle.
+const FEWEST: usize = 4;
 
 /// Directions and place of a feature as programmed.
 #[derive(Clone, Debug)]
@@ -19,6 +24,8 @@ pub(super) struct Nominal {
     pub(super) along: DVec3,
     /// Radius of a circle; of a line or plane half of its extent, mm.
     pub(super) size: f64,
+    /// What is evaluated on a gear's flank.
+    pub(super) flank: Option<Traces>,
     /// Points and normals of a profile.
     pub(super) outline: Outline,
 }
@@ -51,17 +58,34 @@ impl Nominal {
         let widest =
             points.iter().map(from_line).max_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or(DVec3::ZERO);
         let outline = if cut.kind == FeatureKind::Profile { Outline::of(cut) } else { Outline::default() };
-        let mut nominal = Nominal { kind: cut.kind, centre: middle, normal: cut.normal, along, size, outline };
+        let (kind, centre, normal) = (cut.kind, middle, cut.normal);
+        let mut nominal = Nominal { kind, centre, normal, along, size, flank: None, outline };
         match cut.kind {
             FeatureKind::Circle => {
-                let Circle { centre, radius } = cut.circle.unwrap_or(Circle { centre: middle, radius: size });
-                nominal = Nominal { centre, size: radius, along: cut.normal.any_orthonormal_vector(), ..nominal };
+                let refused = "arcs of one circle, or chords with their ends on one";
+                let (Circle { centre, radius }, normal) = match cut.circle {
+                    Some(circle) => (circle, cut.normal),
+                    None => circle_through(&points).ok_or(refused)?,
+                };
+                let normal = if normal.dot(cut.normal) < 0.0 { -normal } else { normal };
+                let off = |point: &DVec3| {
+                    let from = *point - centre;
+                    from.dot(normal).abs().max((from.reject_from_normalized(normal).length() - radius).abs())
+                };
+                if points.len() < FEWEST || points.iter().map(off).fold(0.0, f64::max) > 2.0 * NEAR {
+                    return Err(refused);
+                }
+                nominal = Nominal { centre, size: radius, normal, along: normal.any_orthonormal_vector(), ..nominal };
             }
             FeatureKind::Hole => {
                 if points.iter().any(|point| (*point - middle).reject_from_normalized(cut.normal).length() > NEAR) {
                     return Err("one hole");
                 }
                 nominal.along = cut.normal.any_orthonormal_vector();
+            }
+            FeatureKind::Flank => {
+                let gear = cut.gear.as_ref().ok_or("a gear")?;
+                nominal.flank = Some(Traces::of(gear, &points)?);
             }
             FeatureKind::Line => {
                 if widest.length() > NEAR || size <= NEAR {
@@ -104,7 +128,7 @@ impl Nominal {
         let mut fitted =
             Fitted { centre: self.centre + to_part(mean), facing: self.facing(), diameter: 0.0, form: 0.0 };
         match self.kind {
-            FeatureKind::Hole | FeatureKind::Profile => {}
+            FeatureKind::Hole | FeatureKind::Flank | FeatureKind::Profile => {}
             FeatureKind::Circle => {
                 let flat: Vec<[f64; 2]> = local.iter().map(|point| [point.x, point.y]).collect();
                 let circle = least_squares(&flat).map_err(|error| anyhow!("{error}"))?;

@@ -1,5 +1,7 @@
 //! Kinds of features, what tolerances limit, and how a form is associated.
 
+use super::gear::FlankDeviation;
+
 /// Kind of a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeatureKind {
@@ -11,17 +13,20 @@ pub enum FeatureKind {
     Line,
     /// A surface cut by moves in one plane.
     Plane,
+    /// A flank of a helical gear, cut point by point over a grid.
+    Flank,
     /// A free form: one pass in a plane, or a surface of several passes side by side.
     Profile,
 }
 
 impl FeatureKind {
     /// All of them with their names in a file.
-    pub const NAMES: [(&'static str, FeatureKind); 5] = [
+    pub const NAMES: [(&'static str, FeatureKind); 6] = [
         ("circle", FeatureKind::Circle),
         ("hole", FeatureKind::Hole),
         ("line", FeatureKind::Line),
         ("plane", FeatureKind::Plane),
+        ("flank", FeatureKind::Flank),
         ("profile", FeatureKind::Profile),
     ];
 
@@ -54,11 +59,13 @@ pub enum Characteristic {
     Angularity,
     /// Width of the zone with the true profile in its middle: twice the largest deviation along the normal.
     Profile,
+    /// A deviation of a gear's flank.
+    Flank(FlankDeviation),
 }
 
 impl Characteristic {
     /// All of them with their names in a file.
-    pub const NAMES: [(&'static str, Characteristic); 10] = [
+    pub const NAMES: [(&'static str, Characteristic); 16] = [
         ("size", Characteristic::Size),
         ("distance", Characteristic::Distance),
         ("position", Characteristic::Position),
@@ -69,6 +76,12 @@ impl Characteristic {
         ("perpendicularity", Characteristic::Perpendicularity),
         ("angularity", Characteristic::Angularity),
         ("profile", Characteristic::Profile),
+        ("profile total", Characteristic::Flank(FlankDeviation::ProfileTotal)),
+        ("profile form", Characteristic::Flank(FlankDeviation::ProfileForm)),
+        ("profile slope", Characteristic::Flank(FlankDeviation::ProfileSlope)),
+        ("helix total", Characteristic::Flank(FlankDeviation::HelixTotal)),
+        ("helix form", Characteristic::Flank(FlankDeviation::HelixForm)),
+        ("helix slope", Characteristic::Flank(FlankDeviation::HelixSlope)),
     ];
 
     /// Name in a file.
@@ -78,7 +91,11 @@ impl Characteristic {
 
     /// Whether two limits of a deviation are stated, not the width of a zone.
     pub fn has_limits(self) -> bool {
-        matches!(self, Characteristic::Size | Characteristic::Distance)
+        match self {
+            Characteristic::Size | Characteristic::Distance => true,
+            Characteristic::Flank(deviation) => deviation.is_slope(),
+            _ => false,
+        }
     }
 
     /// Whether it is a form: the width of a zone about the feature itself, wherever that is.
@@ -88,7 +105,7 @@ impl Characteristic {
 
     /// Kinds of features that have it.
     pub(super) fn kinds(self) -> &'static [FeatureKind] {
-        use FeatureKind::{Circle, Hole, Line, Plane, Profile};
+        use FeatureKind::{Circle, Flank, Hole, Line, Plane, Profile};
         match self {
             Characteristic::Size | Characteristic::Roundness => &[Circle],
             Characteristic::Position => &[Circle, Hole],
@@ -99,6 +116,7 @@ impl Characteristic {
             }
             Characteristic::Distance => &[Circle, Hole, Line, Plane],
             Characteristic::Profile => &[Profile],
+            Characteristic::Flank(_) => &[Flank],
         }
     }
 
@@ -109,7 +127,8 @@ impl Characteristic {
             Characteristic::Size
             | Characteristic::Roundness
             | Characteristic::Straightness
-            | Characteristic::Flatness => [0, 0],
+            | Characteristic::Flatness
+            | Characteristic::Flank(_) => [0, 0],
             _ => [1, 1],
         }
     }

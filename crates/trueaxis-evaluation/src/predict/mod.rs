@@ -26,7 +26,10 @@ mod cut;
 mod document;
 mod find;
 mod fit;
+mod fixture;
+mod gear;
 mod kinds;
+mod locate;
 mod part;
 mod profile;
 mod shown;
@@ -40,6 +43,8 @@ pub use advise::{
 };
 pub use document::{Contribution, Known, PredictDocument, Predicted};
 pub use find::{Found, LeftOut, find, sections};
+pub use fixture::{Setup, Side, Tool};
+pub use gear::{FlankDeviation, GearFlank};
 pub use part::{Association, Characteristic, Feature, FeatureKind, Part, Tolerance};
 
 use crate::uncertainty::terms::Terms;
@@ -47,6 +52,7 @@ use anyhow::{Result, bail};
 use cut::{Cut, State};
 use document::Outcome;
 use fit::Nominal;
+use fixture::Moves;
 use trueaxis_metrology::cores::*;
 use trueaxis_sim::program::{Program, ProgramError};
 use trueaxis_tables::Machine;
@@ -83,7 +89,7 @@ impl Default for Options {
 ///
 /// # Errors
 /// A number of draws out of its range; a part without tolerances; a machine without X, Y or Z, or that the model refuses; a
-/// program that turns rotary axes or leaves the travel; features that their lines do not cut; datums that are not made before
+/// program that turns axes that the machine does not have or leaves the travel; features that their lines do not cut; datums that are not made before
 /// the features that refer to them.
 pub fn predict(
     machine: &Machine,
@@ -108,6 +114,7 @@ struct Prepared {
     cuts: Vec<Cut>,
     nominal: Vec<Nominal>,
     terms: Terms,
+    moves: Vec<Moves>,
 }
 
 impl Prepared {
@@ -124,11 +131,18 @@ impl Prepared {
         datums_first(part, &cuts)?;
         let mut terms = Terms::stated(machine, stated);
         terms.warnings.extend(clipped.notes(&machine.settings, "point"));
-        Ok(Prepared { cuts, nominal, terms })
+        let mut moves = Vec::new();
+        // Set-ups and tools alone allow no verdict on a machine of which nothing is known.
+        if !terms.all.is_empty() {
+            let (held, of_part) = fixture::moves(&part.setups, &part.tools);
+            moves = held;
+            terms.all.extend(of_part);
+        }
+        Ok(Prepared { cuts, nominal, terms, moves })
     }
 
     fn model<'m>(&'m self, machine: &'m Machine, part: &'m Part) -> Model<'m> {
-        Model { machine, part, cuts: &self.cuts, nominal: &self.nominal, terms: &self.terms }
+        Model { machine, part, cuts: &self.cuts, nominal: &self.nominal, terms: &self.terms, moves: &self.moves }
     }
 }
 
@@ -136,6 +150,7 @@ impl Prepared {
 fn settle_profiles(program: &Program, part: &Part, cuts: &mut [Cut]) -> Result<()> {
     for (cut, feature) in cuts.iter_mut().zip(&part.features).filter(|(cut, _)| cut.kind == FeatureKind::Profile) {
         profile::settle(cut).map_err(|(found, needed)| {
+            let program = part.program_of(feature.setup, program);
             let line = program.moves.get(cut.moves[0]).map_or(0, |step| step.line);
             ProgramError::new(&program.file, line, format!("{found}, in the lines of {}", feature.name), needed)
         })?;
@@ -146,6 +161,7 @@ fn settle_profiles(program: &Program, part: &Part, cuts: &mut [Cut]) -> Result<(
 fn nominal(program: &Program, part: &Part, cuts: &[Cut]) -> Result<Vec<Nominal>> {
     let of = |(cut, feature): (&Cut, &Feature)| {
         Nominal::of(cut).map_err(|needed| {
+            let program = part.program_of(feature.setup, program);
             let line = program.moves.get(cut.moves[0]).map_or(0, |step| step.line);
             let found = format!("other lines among those of {}", feature.name);
             ProgramError::new(&program.file, line, found, needed).into()
@@ -158,7 +174,8 @@ fn nominal(program: &Program, part: &Part, cuts: &[Cut]) -> Result<Vec<Nominal>>
 fn datums_first(part: &Part, cuts: &[Cut]) -> Result<()> {
     for tolerance in part.tolerances.iter().filter(|one| one.characteristic != Characteristic::Distance) {
         for datum in &tolerance.datums {
-            if cuts[*datum].moves[1] >= cuts[tolerance.feature].moves[0] {
+            let (datum_cut, own_cut) = (&cuts[*datum], &cuts[tolerance.feature]);
+            if (datum_cut.setup, datum_cut.moves[1]) >= (own_cut.setup, own_cut.moves[0]) {
                 let [own, datum] = [tolerance.feature, *datum].map(|index| &part.features[index]);
                 let found = format!("the datum {}, cut in lines {} to {}", datum.name, datum.lines[0], datum.lines[1]);
                 let needed = format!("a datum that is made before {}, line {}", own.name, own.lines[0]);

@@ -1,9 +1,12 @@
 //! `PART.toml`: where a part stands, its features by lines of the program, and its tolerances.
 
 use super::advise::instrument::{Instrument, Touching, read_instrument, read_probe};
+use super::fixture::{Setup, Side, Tool, named};
+use super::gear::{self, GearFlank};
 pub use super::kinds::{Association, Characteristic, FeatureKind};
 use crate::calibrate::ranges::number;
 use std::path::{Path, PathBuf};
+use trueaxis_sim::program::Program;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::{KeyValue, Section, read_toml};
 
@@ -16,6 +19,14 @@ pub struct Feature {
     pub kind: FeatureKind,
     /// First and last line of the program that cuts it.
     pub lines: [u32; 2],
+    /// Index of the set-up in which it is cut; none for the first.
+    pub setup: Option<usize>,
+    /// Index of its tool.
+    pub tool: Option<usize>,
+    /// Where the tool or the material is.
+    pub side: Option<Side>,
+    /// The gear of a flank.
+    pub gear: Option<GearFlank>,
     /// Line in the file.
     pub line: u32,
 }
@@ -48,6 +59,10 @@ pub struct Part {
     pub program: Option<String>,
     /// Program zero in machine coordinates X, Y, Z, mm.
     pub at_mm: [f64; 3],
+    /// Further set-ups in the order of the file, which is that of cutting.
+    pub setups: Vec<Setup>,
+    /// Tools.
+    pub tools: Vec<Tool>,
     /// Features in the order of the file.
     pub features: Vec<Feature>,
     /// Tolerances in the order of the file.
@@ -77,7 +92,10 @@ impl Part {
             if at.value.iter().any(|q| q.abs() > 1e5) {
                 return Err(root.wrong(&at, "at most 100000 mm"));
             }
-            let features = all(&root, "feature")?.into_iter().map(read_feature).collect::<Result<Vec<_>, _>>()?;
+            let setups = all(&root, "setup")?.into_iter().map(Setup::read).collect::<Result<Vec<_>, _>>()?;
+            let tools = all(&root, "tool")?.into_iter().map(Tool::read).collect::<Result<Vec<_>, _>>()?;
+            let feature = |section| read_feature(section, &setups, &tools);
+            let features = all(&root, "feature")?.into_iter().map(feature).collect::<Result<Vec<_>, _>>()?;
             if let Some(double) =
                 (1..features.len()).find(|k| features[..*k].iter().any(|f| f.name == features[*k].name))
             {
@@ -90,7 +108,8 @@ impl Part {
             let instruments = all(&root, "instrument")?.into_iter().map(read_instrument).collect::<Result<_, _>>()?;
             let probe = root.section("probe")?.map_or_else(|| Ok(Touching::default()), read_probe)?;
             root.finish(None)?;
-            Ok(Part { file: file.into(), name, program, at_mm: at.value, features, tolerances, instruments, probe })
+            let (file, at_mm) = (file.into(), at.value);
+            Ok(Part { file, name, program, at_mm, setups, tools, features, tolerances, instruments, probe })
         })
     }
 
@@ -98,11 +117,27 @@ impl Part {
     ///
     /// # Errors
     /// Invalid TOML before the first section; a program that is not a text.
-    pub fn program_of(text: &str, file: &Path) -> Result<Option<String>, FileError> {
+    pub fn first_program(text: &str, file: &Path) -> Result<Option<String>, FileError> {
         let head = text.split_inclusive('\n').take_while(|line| !line.trim_start().starts_with('['));
         read_toml(&head.collect::<String>(), file, |root| {
             Ok(root.string("program")?.map(|found| found.value.to_owned()))
         })
+    }
+
+    /// Reads the programs of the further set-ups.
+    ///
+    /// # Errors
+    /// Those of `read`, which is given the name in the file.
+    pub fn read_setups<E>(&mut self, read: impl Fn(&str) -> Result<Program, E>) -> Result<(), E> {
+        self.setups.iter_mut().try_for_each(|setup| {
+            setup.program = Some(read(&setup.file)?);
+            Ok(())
+        })
+    }
+
+    /// The program of a feature; `first`: that of the first set-up.
+    pub(super) fn program_of<'p>(&'p self, setup: Option<usize>, first: &'p Program) -> &'p Program {
+        setup.and_then(|setup| self.setups.get(setup)?.program.as_ref()).unwrap_or(first)
     }
 
     /// An error at a line of the file.
@@ -122,7 +157,7 @@ fn all<'a>(root: &Section<'a>, key: &str) -> Result<Vec<Section<'a>>, FileError>
     Ok(sections)
 }
 
-fn read_feature(section: Section<'_>) -> Result<Feature, FileError> {
+fn read_feature(section: Section<'_>, setups: &[Setup], tools: &[Tool]) -> Result<Feature, FileError> {
     let line = section.first_line();
     let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
     let kind = section.choice("kind", FeatureKind::NAMES)?;
@@ -134,8 +169,22 @@ fn read_feature(section: Section<'_>) -> Result<Feature, FileError> {
     if from.fract() != 0.0 || to.fract() != 0.0 || from < 1.0 || to < from || to > 1e9 {
         return Err(section.wrong(&lines, "first and last line of the program, counted from 1"));
     }
+    let setup = named(&section, "setup", "set-up", setups.iter().map(|own| own.name.as_str()))?;
+    let tool = named(&section, "tool", "tool", tools.iter().map(|own| own.name.as_str()))?;
+    let tool = tool.or((tools.len() == 1).then_some(0));
+    let side = Side::read(&section, kind)?;
+    let gear = if kind == FeatureKind::Flank { Some(GearFlank::read(&section)?) } else { None };
+    let has_side = matches!(kind, FeatureKind::Circle | FeatureKind::Line);
+    if has_side && side.is_none() && tool.is_some_and(|tool| tools[tool].radius > 0.0) {
+        let words = if kind == FeatureKind::Circle {
+            "\"inside\" or \"outside\": where the tool is, since its diameter is uncertain"
+        } else {
+            "\"left\" or \"right\": where the material is along the path, since the tool's diameter is uncertain"
+        };
+        return Err(section.missing_here("side", words));
+    }
     section.finish(None)?;
-    Ok(Feature { name, kind, lines: [from as u32, to as u32], line })
+    Ok(Feature { name, kind, lines: [from as u32, to as u32], setup, tool, side, gear, line })
 }
 
 fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Tolerance, FileError> {
@@ -156,7 +205,10 @@ fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Toleranc
         let found = format!("{} of a {}", characteristic.name(), own.name());
         return Err(section.at(line, "kind", &found, kinds.join(" or ")));
     }
-    let limits = read_limits(&section, characteristic)?;
+    let limits = match class(&section, characteristic, features[feature].gear.as_ref())? {
+        Some(limits) => limits,
+        None => read_limits(&section, characteristic)?,
+    };
     let mut datums = Vec::new();
     let key = if characteristic == Characteristic::Distance { "from" } else { "datums" };
     if characteristic == Characteristic::Distance {
@@ -172,6 +224,11 @@ fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Toleranc
             })?);
         }
     }
+    let is_free = |kind: FeatureKind| matches!(kind, FeatureKind::Flank | FeatureKind::Profile);
+    if let Some(free) = datums.iter().find(|datum| is_free(features[**datum].kind)) {
+        let found = format!("{}, a {}", features[*free].name, features[*free].kind.name());
+        return Err(section.at(line, key, &found, "a feature other than a flank or profile"));
+    }
     let [least, most] = characteristic.datums();
     let twice = (0..datums.len()).any(|k| datums[k] == feature || datums[..k].contains(&datums[k]));
     if twice || !(least..=most).contains(&datums.len()) {
@@ -184,10 +241,6 @@ fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Toleranc
         let found = if found.is_empty() { String::from("nothing") } else { found.join(", ") };
         return Err(section.at(line, key, &found, needed));
     }
-    if let Some(free) = datums.iter().find(|datum| features[**datum].kind == FeatureKind::Profile) {
-        let found = format!("{}, a profile", features[*free].name);
-        return Err(section.at(line, key, &found, "a circle, hole, line or plane"));
-    }
     let association = section.choice("association", Association::NAMES)?.unwrap_or_default();
     if let Some(stated) = section.string("association")?.filter(|_| !characteristic.is_form()) {
         let found = format!("{} of a {}", stated.value, characteristic.name());
@@ -195,6 +248,17 @@ fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Toleranc
     }
     section.finish(None)?;
     Ok(Tolerance { feature, characteristic, association, limits, datums, line })
+}
+
+/// The tolerance of a gear's class, mm.
+fn class(section: &Section<'_>, of: Characteristic, gear: Option<&GearFlank>) -> Result<Option<[f64; 2]>, FileError> {
+    let (Characteristic::Flank(deviation), Some(gear)) = (of, gear) else { return Ok(None) };
+    let Some(class) = number(section, "class", gear::CLASSES, "")? else { return Ok(None) };
+    if class.fract() != 0.0 {
+        return Err(section.at(section.first_line(), "class", &class.to_string(), "a whole number"));
+    }
+    let most = gear.tolerance(deviation, class);
+    Ok(Some([if of.has_limits() { -most } else { f64::NEG_INFINITY }, most]))
 }
 
 /// The tolerance itself, mm: the unit is part of the key.
@@ -228,7 +292,8 @@ fn read_limits(section: &Section<'_>, of: Characteristic) -> Result<[f64; 2], Fi
             } else {
                 section.number(stem)?.map(|found| section.wrong(&found, format!("a unit, {needed}")))
             };
-            Err(bare.unwrap_or_else(|| section.missing_here(&format!("{stem}_um"), needed)))
+            let class = if matches!(of, Characteristic::Flank(_)) { ", or class" } else { "" };
+            Err(bare.unwrap_or_else(|| section.missing_here(&format!("{stem}_um"), &format!("{needed}{class}"))))
         }
         _ => Err(section.at(section.first_line(), stem, "two units", "one of them")),
     }

@@ -8,7 +8,8 @@
 //! Where short moves approximate a curve, their ends are evaluated, with the mean direction of the two moves that meet: the
 //! difference between chords and curve is the programming's, and excluded.
 
-use super::cut::{Cut, NEAR, Point};
+use super::cut::{Cut, Point};
+use super::locate::NEAR;
 use glam::DVec3;
 
 /// Points of a profile: mm between them, least and most of them.

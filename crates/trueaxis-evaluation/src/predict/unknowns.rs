@@ -1,11 +1,12 @@
 //! What is not known of the machine: one number of unit variance for every quantity, and the part that a set of them cuts.
 
 use super::characteristic::value;
-use super::cut::{Cut, State};
+use super::cut::{Cut, Point, State};
 use super::fit::{Fitted, Nominal};
+use super::fixture::{Moved, Moves};
 use super::part::{Part, Tolerance};
 use crate::uncertainty::monte_carlo::{machine_of, values};
-use crate::uncertainty::terms::{Along, Counts, Effect, Terms};
+use crate::uncertainty::terms::{Along, Counts, Effect, Term, Terms};
 use anyhow::{Result, anyhow};
 use glam::DVec3;
 use trueaxis::machine::wraps;
@@ -23,6 +24,8 @@ pub(super) struct Model<'m> {
     pub(super) cuts: &'m [Cut],
     pub(super) nominal: &'m [Nominal],
     pub(super) terms: &'m Terms,
+    /// What the terms of set-ups and tools move, in their order.
+    pub(super) moves: &'m [Moves],
 }
 
 /// Where an unknown is.
@@ -158,14 +161,21 @@ impl Model<'_> {
     pub(super) fn cut(&self, drawn: &Drawn, state: State) -> Result<Vec<f64>> {
         let (machine, along) = machine_of(self.machine, self.terms, &drawn.values);
         let geometry = Geometry::new(&machine, 0.0).map_err(|error| anyhow!("{error}"))?;
+        let held: Vec<f64> = self.held(drawn);
         let points: Vec<Vec<DVec3>> = self
             .cuts
             .iter()
+            .zip(self.nominal)
             .enumerate()
-            .map(|(feature, cut)| {
+            .map(|(feature, (cut, nominal))| {
                 let scattered = self.approach(drawn, feature);
                 let along = || along.iter().chain(&scattered);
-                cut.points.iter().map(|point| point.cut(self.machine, &geometry, state, along())).collect()
+                let moved = Moved::of(self.moves, &held, &self.part.setups, cut);
+                let at = |point: &Point| {
+                    let error = cut.to_part * point.error(self.machine, &geometry, state, along());
+                    point.nominal + error + moved.of_point(point, cut, nominal)
+                };
+                cut.points.iter().map(at).collect()
             })
             .collect();
         let at = |line: u32, error: anyhow::Error| anyhow!("{}:{line}: {error}", self.part.file.display());
@@ -177,6 +187,13 @@ impl Model<'_> {
             value(tolerance, self.nominal, &fitted, &points).map_err(|error| at(tolerance.line, error))
         };
         self.part.tolerances.iter().map(of).collect()
+    }
+
+    /// Values of the quantities of set-ups and tools.
+    fn held(&self, drawn: &Drawn) -> Vec<f64> {
+        let is_held = |(term, _): &(&Term, _)| matches!(term.effect, Effect::Part);
+        let values = self.terms.all.iter().zip(&drawn.values).filter(is_held);
+        values.map(|(_, values)| values.first().copied().unwrap_or(0.0)).collect()
     }
 
     /// Errors of the axes along themselves in the approach of a feature.

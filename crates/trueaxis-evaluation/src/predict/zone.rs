@@ -17,6 +17,8 @@ pub(super) fn minimum_zone(nominal: &Nominal, points: &[DVec3]) -> Result<f64> {
             let points: Vec<[f64; 3]> = local.iter().map(DVec3::to_array).collect();
             Ok(planes::minimum_zone(&points).map_err(|error| anyhow!("{error}"))?.width)
         }
-        FeatureKind::Hole | FeatureKind::Profile => Err(anyhow!("found a {}, needed a form", nominal.kind.name())),
+        FeatureKind::Hole | FeatureKind::Flank | FeatureKind::Profile => {
+            Err(anyhow!("found a {}, needed a form", nominal.kind.name()))
+        }
     }
 }

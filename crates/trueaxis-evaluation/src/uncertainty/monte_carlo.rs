@@ -73,7 +73,7 @@ pub(crate) fn values(terms: &Terms, draws: &mut Draws) -> Vec<Vec<f64>> {
                 let spread = draws.spread(nu);
                 of.iter().map(|_| spread * draws.normal()).collect()
             }
-            Effect::Along(_) | Effect::Cosine(..) | Effect::Location(..) => vec![draws.student(nu)],
+            Effect::Along(_) | Effect::Cosine(..) | Effect::Location(..) | Effect::Part => vec![draws.student(nu)],
         }
     };
     terms.all.iter().map(of).collect()
@@ -113,6 +113,7 @@ pub(crate) fn machine_of(machine: &Machine, terms: &Terms, values: &[Vec<f64>]) 
                     _ => {}
                 }
             }
+            Effect::Part => {}
         }
     }
     (drawn, along)

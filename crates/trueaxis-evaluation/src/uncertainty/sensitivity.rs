@@ -28,6 +28,7 @@ impl Responses {
                 Effect::Cosine(along, _) => vec![own(along.axis)],
                 Effect::Points { axis, component, .. } => vec![Source::Term(*axis, *component)],
                 Effect::Location(source, _) => vec![*source],
+                Effect::Part => Vec::new(),
             };
             sources.into_iter().for_each(|source| {
                 if !needed.contains(&source) {
@@ -65,6 +66,7 @@ impl Responses {
                     self.at(Source::Term(*axis, *component), place).map(|part| part * size)
                 }
                 Effect::Location(source, u) => self.at(*source, place).map(|part| part * u),
+                Effect::Part => [0.0; 3],
             };
             Contribution { vector, degrees_of_freedom: term.degrees_of_freedom }
         };

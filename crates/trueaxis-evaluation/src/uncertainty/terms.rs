@@ -44,6 +44,8 @@ pub(crate) enum Effect {
     Points { axis: Axis, component: usize, of: Vec<f64> },
     /// A location error: standard uncertainty, mm or rad.
     Location(Source, f64),
+    /// Of a part's set-up or tool, not of the machine.
+    Part,
 }
 
 /// A quantity with its name and the degrees of freedom of its standard uncertainty.

@@ -5,6 +5,9 @@ mod forms;
 mod found;
 mod measured;
 mod plant;
+mod setups;
+mod thirty;
+mod trunnion;
 
 use measured::{along, circle, flatness, hole, levelled, line};
 use plant::{Errors, Known, Place, Step, V, approaches, cut, program, run};

@@ -4,7 +4,7 @@ use trueaxis_testing::noise::Noise;
 use trueaxis_testing::scatter::normal;
 
 pub(super) type V = [f64; 3];
-type M = [V; 3];
+pub(super) type M = [V; 3];
 
 /// Points of a table, 40 mm apart from −200 mm on.
 const ROWS: usize = 11;
@@ -41,16 +41,16 @@ pub(super) fn dot(a: V, b: V) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn times(m: &M, v: V) -> V {
+pub(super) fn times(m: &M, v: V) -> V {
     std::array::from_fn(|i| dot(m[i], v))
 }
 
-fn product(a: &M, b: &M) -> M {
+pub(super) fn product(a: &M, b: &M) -> M {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
 /// I + [w] + [w]²/2, exact to 1e-12 for 100 µrad.
-fn turned(w: V) -> M {
+pub(super) fn turned(w: V) -> M {
     let cross = [[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]];
     let square = product(&cross, &cross);
     std::array::from_fn(|i| std::array::from_fn(|j| f64::from(i == j) + cross[i][j] + 0.5 * square[i][j]))

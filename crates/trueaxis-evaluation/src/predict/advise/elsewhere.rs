@@ -3,7 +3,7 @@
 use super::document::{Directed, Elsewhere, Placed};
 use crate::predict::{FeatureKind, Options, Part, PredictDocument, Predicted, predict};
 use anyhow::Result;
-use trueaxis_sim::program::{Curve, Move, Program};
+use trueaxis_sim::program::{Curve, Move, Program, Turn};
 use trueaxis_tables::Machine;
 use trueaxis_tables::uncertainty::Uncertainties;
 
@@ -81,7 +81,10 @@ impl Asked<'_> {
             let own: Vec<usize> = (0..self.part.tolerances.len())
                 .filter(|k| self.part.tolerances[*k].feature == index && depends(&predicted.features[*k]))
                 .collect();
-            if feature.kind == FeatureKind::Hole || own.is_empty() {
+            if matches!(feature.kind, FeatureKind::Hole | FeatureKind::Flank)
+                || feature.setup.is_some()
+                || own.is_empty()
+            {
                 continue;
             }
             let Some(program) = reversed(self.program, feature.lines) else { continue };
@@ -153,6 +156,7 @@ fn reversed(program: &Program, [from, to]: [u32; 2]) -> Option<Program> {
     let moves = &mut program.moves[first..=last];
     moves.reverse();
     for step in moves {
+        step.turn = Turn { start: step.turn.end(), change: step.turn.change.map(|by| -by) };
         match &mut step.curve {
             Curve::Line { start, end } => std::mem::swap(start, end),
             Curve::Arc { start, end, normal, .. } => {
@@ -167,7 +171,13 @@ fn reversed(program: &Program, [from, to]: [u32; 2]) -> Option<Program> {
     let [to, _] = ends(&program.moves[first]);
     let [_, from] = first.checked_sub(1).map_or([to; 2], |before| ends(&program.moves[before]));
     let curve = Curve::Line { start: from, end: to };
-    let way = Move { rapid: true, curve, ..program.moves[first].clone() };
+    let [_, turned] = first.checked_sub(1).map_or([program.moves[first].turn.start; 2], |before| {
+        let before = &program.moves[before].turn;
+        [before.start, before.end()]
+    });
+    let to = program.moves[first].turn.start;
+    let turn = Turn { start: turned, change: std::array::from_fn(|k| to[k] - turned[k]) };
+    let way = Move { rapid: true, curve, turn, ..program.moves[first].clone() };
     program.moves.insert(first, way);
     Some(program)
 }

@@ -32,16 +32,17 @@ pub use instrument::{Instrument, InstrumentKind, Touching};
 use super::verdict::verdict_of;
 use super::{Part, PredictDocument, Prepared, State, responses};
 use crate::calibrate::Task;
-use crate::predict::cut::Cut;
+use crate::predict::cut::{Cut, parameters};
 use crate::predict::unknowns::{Model, Unknown};
 use crate::uncertainty::terms::{Along, Counts, Effect, Terms};
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use candidate::{Candidate, Shop, Way, grouped};
 use elsewhere::Asked;
 use prior::Prior;
 use search::{Choice, Search};
 use trueaxis::machine::Axis;
 use trueaxis_metrology::uncertainty::Interval;
+use trueaxis_sim::placement::Placement;
 use trueaxis_sim::program::Program;
 use trueaxis_tables::Machine;
 use trueaxis_tables::uncertainty::Uncertainties;
@@ -114,7 +115,9 @@ pub fn elsewhere(
     part: &Part,
     predicted: &PredictDocument,
 ) -> Result<Elsewhere> {
-    let [low, high] = run(program, part);
+    let placement =
+        Placement::new(machine, part.at_mm).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
+    let [low, high] = run(program, &placement);
     let asked = Asked { machine, stated, program, part, seed: predicted.seed };
     let room = [Axis::X, Axis::Y].map(|axis| {
         let [least, most] = machine.settings.axis(axis).map_or([0.0; 2], |own| own.travel);
@@ -143,18 +146,16 @@ fn extent(cuts: &[Cut]) -> [[f64; 3]; 2] {
     [end(f64::min), end(f64::max)]
 }
 
-/// Lowest and highest commands of X, Y, Z at the ends of the program's moves.
-fn run(program: &Program, part: &Part) -> [[f64; 3]; 2] {
-    let ends = program.moves.iter().map(|step| &step.curve).flat_map(|curve| {
-        let (first, last) = curve.domain();
-        [curve.position(first), curve.position(last)]
-    });
-    let mut range = [part.at_mm, part.at_mm];
-    for end in ends {
-        for k in 0..3 {
-            let q = part.at_mm[k] + end[k];
-            range[0][k] = range[0][k].min(q);
-            range[1][k] = range[1][k].max(q);
+/// Lowest and highest commands of X, Y, Z in the program.
+fn run(program: &Program, placement: &Placement) -> [[f64; 3]; 2] {
+    let mut range = [[f64::MAX; 3], [f64::MIN; 3]];
+    for step in &program.moves {
+        for u in parameters(step, None, placement) {
+            let command = placement.axes(step, u);
+            for k in 0..3 {
+                range[0][k] = range[0][k].min(command[k]);
+                range[1][k] = range[1][k].max(command[k]);
+            }
         }
     }
     range

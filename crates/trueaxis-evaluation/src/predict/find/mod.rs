@@ -57,7 +57,8 @@ pub fn find(program: &Program) -> Found {
         let (kind, lines) = (piece.kind, piece.lines);
         let number = 1 + features.iter().filter(|own| own.kind == kind).count();
         index[k] = features.len();
-        features.push(Feature { name: format!("{} {number}", kind.name()), kind, lines, line: 0 });
+        let name = format!("{} {number}", kind.name());
+        features.push(Feature { name, kind, lines, setup: None, tool: None, side: None, gear: None, line: 0 });
     }
     let left_out = once.iter().zip(finishing).filter_map(|(piece, last)| {
         let (last, why) = last?;

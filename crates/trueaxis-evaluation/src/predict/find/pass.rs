@@ -2,8 +2,8 @@
 
 use super::chain;
 use super::path::{Piece, direction, normal, plunges};
-use crate::predict::cut::{circle_of, turn};
 use crate::predict::kinds::FeatureKind;
+use crate::predict::locate::{circle_of, turn};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use trueaxis_sim::program::Move;
