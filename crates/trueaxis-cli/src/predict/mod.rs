@@ -26,12 +26,17 @@ Example:
 pub(crate) const HELP: &str = "\
 The part's file states where the program's zero is in the machine, the lines of the program that cut each feature, and the tolerances:
   name, program, at_mm = [X, Y, Z]
-  [[feature]] with name, kind = circle, hole, line or plane, lines = [first, last]
+  [[feature]] with name, kind = circle, hole, line, plane or flank, lines = [first, last]
+    flank: module_mm, teeth, helix_angle_deg, face_mm; pressure_angle_deg, flank, axis_mm
   [[tolerance]] with feature, kind, and
     limits_um or limits_mm: size, distance (from = another feature)
     width_um or width_mm: position, straightness, flatness, roundness, parallelism,
       perpendicularity, angularity
     datums = [...]: position (up to three); parallelism, perpendicularity, angularity (one)
+    class, or width_um, of a slope limits_um: profile total, form or slope, helix total, form or slope
+  [[setup]], a further one, with name, program, at_mm; zero_mm, turned_deg, uncertainty_um, uncertainty_urad
+  [[tool]] with name, diameter_uncertainty_um, length_uncertainty_um
+    a feature states setup, tool, and side if the diameter is uncertain: inside or outside (circle), left or right (line)
 
 The exact geometry of the machine gives the points that are cut, with lost motion by the direction in which each axis \
 arrives, and with corrections as far as their limits in the machine.toml admit. Features are fitted by least squares. \

@@ -1,6 +1,7 @@
 //! The points of a part's features, with the axes where the drives bring them while cutting.
 
 use super::fixture::Side;
+use super::gear::GearFlank;
 use super::locate::{self, Circle, length, turn};
 use super::part::{Feature, FeatureKind, Part};
 use super::temperature::{Lines, Warm};
@@ -80,6 +81,7 @@ pub(super) struct Cut {
     pub(super) to_part: DMat3,
     pub(super) tool: Option<usize>,
     pub(super) side: Option<Side>,
+    pub(super) gear: Option<GearFlank>,
 }
 
 impl Cut {
@@ -104,10 +106,13 @@ impl Cut {
         self.to_part = to_part;
     }
 
-    /// Whether a move is a chord of this circle, of which only the end is on it.
+    /// Whether only the end of a move is on the feature: a chord of a circle, a step over a flank.
     fn is_chord(&self, step: &Move) -> bool {
         let is_straight = step.tool_center || step.turn.change == [0.0; 3];
-        self.kind == FeatureKind::Circle && self.circle.is_none() && is_straight
+        match self.kind {
+            FeatureKind::Circle => self.circle.is_none() && is_straight,
+            kind => kind == FeatureKind::Flank,
+        }
     }
 }
 

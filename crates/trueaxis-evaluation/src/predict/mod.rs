@@ -27,6 +27,7 @@ mod document;
 mod find;
 mod fit;
 mod fixture;
+mod gear;
 mod locate;
 mod part;
 mod servo;
@@ -43,6 +44,7 @@ pub use advise::{
 pub use document::{Contribution, Known, PredictDocument, Predicted};
 pub use find::{find, sections};
 pub use fixture::{Setup, Side, Tool};
+pub use gear::{FlankDeviation, GearFlank};
 pub use part::{Characteristic, Feature, FeatureKind, Part, Tolerance};
 pub use servo::ServoDocument;
 pub use temperature::{

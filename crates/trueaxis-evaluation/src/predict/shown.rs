@@ -11,6 +11,8 @@ use trueaxis_report::number::{decimals, shortest};
 /// The interval itself: that of a zone is not centred on the predicted width, which uncertainties mostly widen.
 const WITHIN: &str = "95 % of draws";
 
+/// Keys named of those that are not stated.
+const KEYS: usize = 12;
 /// Contributions shown of each characteristic.
 const LARGEST: usize = 3;
 
@@ -21,7 +23,10 @@ impl PredictDocument {
             self.features.iter().filter_map(|of| Some((of, of.known.as_ref()?))).collect();
         let count = |verdict: &str| known.iter().filter(|(_, known)| known.verdict == verdict).count();
         let mut notes = self.warnings.clone();
-        let not_stated = self.not_stated.join(", ");
+        let beyond = self.not_stated.len().saturating_sub(KEYS);
+        let not_stated = self.not_stated.iter().take(KEYS).cloned().collect::<Vec<_>>().join(", ");
+        let more = if beyond > 0 { format!(" and {beyond} more, listed by --json") } else { String::new() };
+        let not_stated = format!("{not_stated}{more}");
         let result = if known.is_empty() {
             notes.push(format!("machine.toml states none of these keys: {not_stated}"));
             String::from("No verdict: the machine states no standard uncertainty.")

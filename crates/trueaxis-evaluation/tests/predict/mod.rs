@@ -6,6 +6,7 @@ mod plant;
 mod servo;
 mod setups;
 mod temperature;
+mod thirty;
 mod trunnion;
 
 use measured::{along, circle, flatness, hole, levelled, line};
