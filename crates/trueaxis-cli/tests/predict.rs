@@ -447,7 +447,7 @@ fn advice_without_what_it_needs_is_refused() {
     assert_eq!(advice["compared"], serde_json::json!(["laser along X", "square XY"]), "{advice}");
 }
 
-/// The second hole needs no drives to be where it is: they stand still when it is at its depth.
+/// X and Y still settle when the strokes begin, which moves the middle of a hole by a fraction of a micrometre.
 #[test]
 fn the_servo_is_simulated_where_the_machine_states_its_drives() {
     let folder = Folder::new(TRUEAXIS);
@@ -463,8 +463,11 @@ fn the_servo_is_simulated_where_the_machine_states_its_drives() {
     let drives = ["X", "Y", "Z"].map(drive).join("");
     write(&folder, &format!("{OTHERS}[location]\nC0Y_urad = 50\n{drives}"), PROGRAM, PART);
     let document = folder.json(&[&call[..], &["--json"]].concat());
-    assert!((um(&document, "uncorrected_um") + 2.4).abs() < 0.05, "{document}");
-    assert!(um(&document, "corrected_um").abs() < 0.05 && um(&document, "everything_um").abs() < 0.05, "{document}");
+    assert!((um(&document, "uncorrected_um") + 2.4).abs() < 0.6, "{document}");
+    let corrected = um(&document, "corrected_um");
+    assert!(corrected.abs() < 0.6 && corrected.abs() > 0.01, "{document}");
+    // Nothing acts on the servo.
+    assert_eq!(um(&document, "everything_um"), corrected);
     assert_eq!(document["servo"]["rate_hz"], 2000.0);
     let text = folder.good(&call);
     for part in
