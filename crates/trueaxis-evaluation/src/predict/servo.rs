@@ -115,8 +115,7 @@ pub(super) fn follow(
         let program = part.program_of(setup, program);
         let mut errors = Vec::new();
         for mut run in started {
-            let mut caught =
-                Caught { places: &places, errors: Vec::new(), before: None, plays: plays.clone(), stopped: None };
+            let mut caught = Caught { places: &places, errors: Vec::new(), before: None, plays, stopped: None };
             loop {
                 let before = run.cycle();
                 let is_on = run.advance(BLOCK, &mut caught);
