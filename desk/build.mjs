@@ -6,7 +6,7 @@ import { createHash } from "node:crypto";
 import fs from "node:fs";
 import { gzipSync } from "node:zlib";
 
-const common = { bundle: true, minify: true, target: "es2022", write: false, legalComments: "none", loader: { ".txt": "text", ".csv": "text", ".log": "text", ".toml": "text" }, define: { "import.meta.url": '"about:blank"' } };
+const common = { bundle: true, minify: true, target: "es2022", write: false, legalComments: "none", loader: { ".txt": "text", ".csv": "text", ".log": "text", ".toml": "text", ".ngc": "text" }, define: { "import.meta.url": '"about:blank"' } };
 const page = await build({ ...common, entryPoints: ["src/main.ts"], format: "esm", outdir: "dist" });
 const worker = await build({ ...common, entryPoints: ["src/worker.ts"], format: "iife" });
 

@@ -53,6 +53,7 @@ RESULTS = [
     ("RTest", "evaluate_r_test", f"{EVALUATION}/r_test/document.rs", "RTestDocument", [WRITTEN, RESIDUALS]),
     ("MeasuredPoints", "evaluate_points", f"{EVALUATION}/points/document.rs", "PointsDocument", [RESIDUALS]),
     ("Uncertainty", "Machine.uncertainty", f"{EVALUATION}/uncertainty/document.rs", "UncertaintyDocument", []),
+    ("PredictedPart", "predict", f"{EVALUATION}/predict/document.rs", "PredictDocument", []),
     ("Helicoid", "helicoid", f"{EVALUATION}/helicoid/document.rs", "HelicoidDocument",
      [("program", "str", "Text of the program, with `gcode=True`.")]),
     ("Learned", "learn", f"{EVALUATION}/learn/document.rs", "LearnDocument",
@@ -61,6 +62,8 @@ RESULTS = [
     ("Run", "simulate", "trueaxis-sim/src/run/document.rs", "RunDocument",
      [("trace", "Section", "Columns of the traces by machine, with `trace_every`.")]),
 ]
+# Bases of the types that have more than fields.
+BASES = {"PredictedPart": "Budgeted"}
 PLAIN = {"f64": "float", "f32": "float", "bool": "bool", "String": "str", "&'static str": "str", "Axis": "str", "char": "str", "PathBuf": "str"}
 PLAIN |= {name: "int" for name in ("usize", "isize", "u8", "u16", "u32", "u64", "i8", "i16", "i32", "i64")}
 HEAD = '''\
@@ -73,7 +76,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ._results import Result, Section
+from ._results import Budgeted, Result, Section
 '''
 
 
@@ -196,7 +199,9 @@ class Writer:
         for of in own.fields:
             inner = self.sources.find(of.rust.removeprefix("Option<").removesuffix(">"), own.file) if of.flat else None
             if inner:
-                yield from self.rows(inner, owner)
+                absent = " | None" if of.rust.startswith("Option<") else ""
+                for name, kind, doc, section in self.rows(inner, owner):
+                    yield name, kind if kind.endswith("None") else kind + absent, doc, section
             elif not of.flat:
                 kind, section = self.python(of.rust, own.file, owner)
                 yield of.name + "_" * keyword.iskeyword(of.name), kind, of.doc, section
@@ -216,7 +221,7 @@ class Writer:
         for name, function, file, rust, more in RESULTS:
             own = types_of(CRATES / file)[rust]
             of = ", ".join(f"`{one}`" for one in function.split(", "))
-            self.write(name, "Result", own, more, f"Result of {of}.")
+            self.write(name, BASES.get(name, "Result"), own, more, f"Result of {of}.")
         names = ", ".join(f'"{name}"' for name, *_ in RESULTS)
         return HEAD + "".join(self.text) + f"\n\n__all__ = [{names}]\n"
 

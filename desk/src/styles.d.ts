@@ -15,3 +15,7 @@ declare module "*.toml" {
   const text: string;
   export default text;
 }
+declare module "*.ngc" {
+  const text: string;
+  export default text;
+}

@@ -9,6 +9,7 @@ import { view as friction } from "./friction/view";
 import { view as helicoid } from "./helicoid/view";
 import { view as keep } from "./keep/view";
 import { view as machine } from "./machine/view";
+import { view as predict } from "./predict/view";
 import { view as roundness } from "./roundness/view";
 import { view as scope } from "./scope/view";
 import { view as thermal } from "./thermal/view";
@@ -20,7 +21,7 @@ export const groups: readonly (readonly [title: string, views: readonly View[]])
   ["Machine", [machine, uncertainty]],
   ["Run", [scope]],
   ["Keep", [thermal, keep]],
-  ["Part", [helicoid]],
+  ["Part", [predict, helicoid]],
 ];
 /** The view with which the desk opens. */
 export const FIRST = scope.id;

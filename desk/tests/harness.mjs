@@ -59,7 +59,7 @@ export const GROUPS = {
   Machine: ["Machine", "Uncertainty"],
   Run: ["Servo scope"],
   Keep: ["Thermal growth", "Keep"],
-  Part: ["Helicoid and five axes"],
+  Part: ["Predict", "Helicoid and five axes"],
 };
 
 /** Opens a view of the desk by its name, its group, then its tab, and waits until it is built. */

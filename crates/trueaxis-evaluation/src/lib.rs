@@ -26,7 +26,7 @@ pub mod model;
 pub mod path;
 pub mod points;
 pub mod positions;
-#[cfg(feature = "simulated")]
+#[cfg(feature = "simulation")]
 pub mod predict;
 pub mod probe_angles;
 pub mod probe_places;

@@ -16,6 +16,7 @@ mod learn;
 mod machine;
 mod measured;
 mod path;
+mod predict;
 mod shown;
 mod simulation;
 mod thermal;
@@ -95,6 +96,7 @@ fn python(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(thermal::thermal_fit, module)?)?;
     module.add_function(wrap_pyfunction!(thermal::thermal_compile, module)?)?;
     module.add_function(wrap_pyfunction!(learn::learn, module)?)?;
+    module.add_function(wrap_pyfunction!(predict::predict, module)?)?;
     module.add_function(wrap_pyfunction!(transfer::import_table, module)?)?;
     module.add_function(wrap_pyfunction!(transfer::export_table, module)?)?;
     module.add_function(wrap_pyfunction!(evaluate::accuracy, module)?)?;

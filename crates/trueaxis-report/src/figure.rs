@@ -60,7 +60,12 @@ impl Figure {
     /// A square without axes from −`reach` to `reach`.
     pub(crate) fn bare(description: &str, class: &'static str, px: i32, reach: f64) -> Figure {
         let scale = Scale::exact("", -reach, reach);
-        Figure { axes: false, ..Figure::sized(description, class, [px, px], scale.clone(), scale) }
+        Figure::without_axes(description, class, [px, px], scale.clone(), scale)
+    }
+
+    /// A figure that is the plot alone.
+    pub(crate) fn without_axes(description: &str, class: &'static str, px: [i32; 2], x: Scale, y: Scale) -> Figure {
+        Figure { axes: false, ..Figure::sized(description, class, px, x, y) }
     }
 
     fn sized(description: &str, class: &'static str, size: [i32; 2], x: Scale, y: Scale) -> Figure {

@@ -115,6 +115,12 @@ export class Scene {
     this.batches.push({ mode: "triangles", at, normal, tint });
   }
 
+  /** Cones like those of `arrows`, in one colour. */
+  cones(places: ArrayLike<number>, vectors: ArrayLike<number>, name: ColourName, magnification: number, width: number): void {
+    const { at, normal } = cones(places, vectors, Math.floor(vectors.length / 3), magnification, width);
+    this.batches.push({ mode: "triangles", at, normal, tint: () => repeated(rgb(name), at.length / 3) });
+  }
+
   /** A surface over a grid of points, `rows` times `columns`; values from 0 to 1 colour it by the scale. */
   mesh(points: ArrayLike<number>, rows: number, columns: number, name: ColourName, values?: ArrayLike<number>): void {
     const { at, normal, corners } = surface(points, rows, columns);

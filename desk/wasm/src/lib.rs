@@ -19,6 +19,7 @@ pub mod helicoid;
 pub mod keep;
 pub mod machine;
 pub mod panics;
+pub mod predict;
 pub mod roundness;
 mod samples;
 pub mod scope;

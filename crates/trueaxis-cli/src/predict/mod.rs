@@ -5,15 +5,12 @@ mod temperature;
 
 use crate::output::{data, json, print, report_line};
 use crate::{model, report};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::Args;
 use servo::ServoArgs;
-use std::fs::canonicalize;
 use std::path::{Path, PathBuf, absolute};
 use temperature::TemperatureArgs;
-use trueaxis_evaluation::calibrate::Task;
-use trueaxis_evaluation::predict::{Advice, Options, Part, advise, elsewhere, find, sections};
-use trueaxis_sim::program::{Program, ReadOptions, Source};
+use trueaxis_evaluation::predict::{Advice, Options, PartFiles, advise, elsewhere, find, own_task, sections, shapes};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::uncertainty::Uncertainties;
 
@@ -119,17 +116,8 @@ pub(crate) struct PredictArgs {
 }
 
 pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
-    let mut part = Part::read(&model::text(&arguments.part)?, &arguments.part)?;
-    let beside = part.program.as_ref().map(|name| arguments.part.with_file_name(name));
-    let Some(path) = arguments.program.clone().or(beside) else {
-        bail!("{}: key program: found nothing, needed a G-code file, or --program", arguments.part.display());
-    };
-    let read = |path: &Path| -> Result<Program> {
-        let source = Source::read(path)?;
-        Ok(Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(path))?)
-    };
-    let program = read(&path)?;
-    part.read_setups(|file| read(&arguments.part.with_file_name(file)))?;
+    let PartFiles { part, program, path } =
+        PartFiles::read(&arguments.part, arguments.program.as_deref(), "--program")?;
     if arguments.find {
         let found = sections(&find(&program));
         return data(if found.is_empty() { "# no feature found\n" } else { found.trim_start() });
@@ -150,12 +138,7 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     let options = Options { trials: arguments.trials, seed: arguments.seed };
     let mut document = arguments.servo.predict((&machine, &stated), &program, &part, options)?;
     if arguments.advise {
-        let read = |name: &str| {
-            let file = arguments.part.with_file_name(name);
-            let task = Task::read(&model::text(&file)?, &file)?;
-            of_machine(&task, &arguments.machine)?;
-            Ok(task)
-        };
+        let read = |name: &str| own_task(&arguments.part, name, &arguments.machine);
         let mut advice = advise(&machine, &stated, &program, &part, &document, &read)?;
         advice.elsewhere = Some(elsewhere(&machine, &stated, &program, &part, &document)?);
         document.advice = Some(advice);
@@ -165,24 +148,14 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
         _ => None,
     };
     if let Some(to) = &arguments.report {
-        let page = document.shown().page("", [report::predict::margins(&document)]);
+        let shapes = shapes(&machine, &stated, &program, &part, &document)?;
+        let figures = [report::predict::picture(&shapes), report::predict::margins(&document)];
+        let page = document.shown().page("", figures);
         report::write_to(&mut outputs, &page, to, "predict.html")?;
     }
     outputs.commit()?;
     written.iter().for_each(report_line);
     if arguments.json { json(&document) } else { print(&document.shown().text()) }
-}
-
-/// Refuses a task of another machine than the predicted one.
-fn of_machine(task: &Task, predicted: &Path) -> Result<()> {
-    let description = |path: &Path| if path.is_dir() { path.join("machine.toml") } else { path.to_owned() };
-    let stated = task.file.with_file_name("").join(&task.machine);
-    let [own, wanted] = [stated.as_path(), predicted].map(|path| canonicalize(description(path)).ok());
-    if own.is_none() || own != wanted {
-        let (file, found, needed) = (task.file.display(), stated.display(), predicted.display());
-        bail!("{file}: key machine: found {found}, needed {needed}, the machine that is predicted");
-    }
-    Ok(())
 }
 
 /// Stages the task of an advice; what to say about it.

@@ -1,13 +1,43 @@
-//! Deviations and intervals of a predicted part beside its tolerances.
+//! A predicted part as a picture, and its deviations and intervals beside the tolerances.
 
 use maud::{Markup, Render};
-use trueaxis_evaluation::predict::{PredictDocument, Predicted};
-use trueaxis_report::{Figure, Scale, Stroke, colour};
+use trueaxis_evaluation::predict::{PredictDocument, Predicted, Shape};
+use trueaxis_report::{Colour, Edge, Figure, Scale, Stroke, colour, isometric};
 
 /// Half of a tolerance's width, and how far uncorrected and corrected points are from its middle.
 const HALF: f64 = 0.4;
 const BESIDE: f64 = 0.14;
+const PART: &str = "Part with its deviations";
 const HEADING: &str = "Deviations and tolerances";
+
+/// The picture: every feature in the colour of its verdict, with the deviations of the corrected part.
+pub(crate) fn picture(shapes: &[Shape]) -> (&'static str, Markup) {
+    let edge = |shape: &Shape| {
+        let (colour, sign, dashed) = look(shape.verdict);
+        let closed = if shape.closed { shape.points_mm.len() } else { 0 }.min(1);
+        let around = |points: &[[f64; 3]]| points.iter().chain(&points[..closed]).copied().collect();
+        Edge {
+            label: format!("{} {sign}", shape.feature).trim_end().to_owned(),
+            name: shape.verdict.unwrap_or("no verdict"),
+            colour,
+            dashed,
+            points_mm: around(&shape.points_mm),
+            deviation_um: around(&shape.corrected_um),
+        }
+    };
+    let edges: Vec<Edge<'_>> = shapes.iter().map(edge).collect();
+    (PART, isometric("The part with its features in the colour of their verdict", "Corrected part", &edges).render())
+}
+
+/// Colour, sign and dashes of a verdict: it can be told without colour.
+fn look(verdict: Option<&str>) -> (Colour, &'static str, bool) {
+    match verdict {
+        Some("conforms") => (colour::COMPENSATED, "✓", false),
+        Some("undecided") => (colour::UNCOMPENSATED, "?", true),
+        Some(_) => (colour::LIMIT, "✗", false),
+        None => (colour::NOMINAL, "", false),
+    }
+}
 
 /// The figure: every value as a share of its tolerance, in the order of the part.
 pub(crate) fn margins(document: &PredictDocument) -> (&'static str, Markup) {

@@ -28,13 +28,18 @@ mod find;
 mod fit;
 mod fixture;
 mod gear;
+mod inputs;
+mod live;
 mod locate;
 mod part;
+mod room;
 mod servo;
+mod shape;
 mod shown;
 mod temperature;
 mod times;
 mod unknowns;
+mod used;
 mod verdict;
 
 pub use advise::{
@@ -45,8 +50,11 @@ pub use document::{Contribution, Known, PredictDocument, Predicted};
 pub use find::{find, sections};
 pub use fixture::{Setup, Side, Tool};
 pub use gear::{FlankDeviation, GearFlank};
+pub use inputs::{PartFiles, own_task};
+pub use live::{Live, There};
 pub use part::{Characteristic, Feature, FeatureKind, Part, Tolerance};
 pub use servo::ServoDocument;
+pub use shape::{Shape, shapes};
 pub use temperature::{
     AxisGrowth, Expansion, Growth, GrowthModel, PartTemperature, SensorTemperature, Start, TEMPERATURES,
     TemperatureDocument, TemperatureRecord,

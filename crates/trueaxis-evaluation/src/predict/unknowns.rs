@@ -160,30 +160,34 @@ impl Model<'_> {
 
     /// Values of all tolerances of the part that this machine cuts, mm: exact transforms and fits.
     pub(super) fn cut(&self, drawn: &Drawn, state: State) -> Result<Vec<f64>> {
+        self.values(&self.points(drawn, state)?)
+    }
+
+    /// The points of every feature that this machine cuts, mm, in coordinates of the program.
+    pub(super) fn points(&self, drawn: &Drawn, state: State) -> Result<Vec<Vec<DVec3>>> {
         let (machine, along) = machine_of(self.machine, self.terms, &drawn.values);
         let geometry = Geometry::new(&machine, 0.0).map_err(|error| anyhow!("{error}"))?;
         let measured = part_length(self.part.temperature.part.as_ref(), self.terms, &drawn.values);
         let held: Vec<f64> = self.held(drawn);
-        let points: Vec<Vec<DVec3>> = self
-            .cuts
-            .iter()
-            .zip(self.nominal)
-            .enumerate()
-            .map(|(feature, (cut, nominal))| {
-                let scattered = self.approach(drawn, feature);
-                let along = || along.iter().chain(&scattered);
-                let moved = Moved::of(self.moves, &held, &self.part.setups, cut);
-                let at = |point: &Point| {
-                    let error = cut.to_part * point.error(self.machine, &geometry, state, along());
-                    measured * (point.nominal + error + moved.of_point(point, cut, nominal))
-                };
-                cut.points.iter().map(at).collect()
-            })
-            .collect();
-        let fits = self.nominal.iter().zip(&points).map(|(nominal, points)| nominal.fit(points));
+        let of_feature = |(feature, (cut, nominal)): (usize, (&Cut, &Nominal))| {
+            let scattered = self.approach(drawn, feature);
+            let along = || along.iter().chain(&scattered);
+            let moved = Moved::of(self.moves, &held, &self.part.setups, cut);
+            let at = |point: &Point| {
+                let error = cut.to_part * point.error(self.machine, &geometry, state, along());
+                measured * (point.nominal + error + moved.of_point(point, cut, nominal))
+            };
+            cut.points.iter().map(at).collect()
+        };
+        Ok(self.cuts.iter().zip(self.nominal).enumerate().map(of_feature).collect())
+    }
+
+    /// Values of all tolerances of the part with these points, mm.
+    pub(super) fn values(&self, points: &[Vec<DVec3>]) -> Result<Vec<f64>> {
+        let fits = self.nominal.iter().zip(points).map(|(nominal, points)| nominal.fit(points));
         let fitted = fits.collect::<Result<Vec<Fitted>>>()?;
         let tolerances = self.part.tolerances.iter();
-        Ok(tolerances.map(|tolerance| value(tolerance, self.nominal, &fitted, &points)).collect())
+        Ok(tolerances.map(|tolerance| value(tolerance, self.nominal, &fitted, points)).collect())
     }
 
     /// Values of the quantities of set-ups and tools.

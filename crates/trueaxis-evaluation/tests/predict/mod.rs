@@ -1,6 +1,7 @@
 //! Predicted parts, against parts that another plant cuts and other formulas measure.
 
 mod advised;
+mod live;
 mod measured;
 mod plant;
 mod servo;

@@ -10,7 +10,7 @@ from ._propagate import Propagated as Propagated, propagate as propagate
 from ._results import Figure as Figure, Result as Result, Section as Section
 from ._types import *
 
-__all__ = ["Error", "NeedsPerson", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "calibrate_plan", "calibrate_solve", "keep_plan", "keep_begin", "keep_check", "keep_apply", "keep_undo", "keep_history", "thermal_fit", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate", "accuracy", "thermal_compile", "learn", "import_table", "export_table", "trace_roundness", "__version__", "Figure", "Result", "Section", "Propagated", "propagate", "Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "Uncertainty", "Helicoid", "Learned", "Transfer", "Run"]
+__all__ = ["Error", "NeedsPerson", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "calibrate_plan", "calibrate_solve", "keep_plan", "keep_begin", "keep_check", "keep_apply", "keep_undo", "keep_history", "thermal_fit", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate", "accuracy", "thermal_compile", "learn", "predict", "import_table", "export_table", "trace_roundness", "__version__", "Figure", "Result", "Section", "Propagated", "propagate", "Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "Uncertainty", "PredictedPart", "Helicoid", "Learned", "Transfer", "Run"]
 
 __version__: str
 
@@ -272,6 +272,16 @@ def learn(
     forget: float = ...,
     cutoff_mm: float = ...,
 ) -> Learned: ...
+def predict(
+    machine: Machine,
+    part: str | PathLike[str],
+    program: str | PathLike[str] | None = None,
+    *,
+    at_mm: Sequence[float] | None = None,
+    trials: int = 10_000,
+    seed: int = 1,
+    advise: bool = False,
+) -> PredictedPart: ...
 def import_table(
     file: str | PathLike[str],
     folder: str | PathLike[str],

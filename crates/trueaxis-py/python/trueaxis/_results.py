@@ -324,6 +324,24 @@ class Result(Section):
         return ax
 
 
+class Budgeted(Result):
+    """A result whose features state what contributes to their uncertainty."""
+
+    __slots__ = ()
+
+    @property
+    def budget(self) -> pandas.DataFrame:
+        """All contributions, a row each, the largest of a feature first: feature, kind, datums, term, standard_um, share."""
+        import pandas as pd
+
+        rows = [
+            {"feature": of["feature"], "kind": of["kind"], "datums": ", ".join(of["datums"]), **contribution}
+            for of in self._document["features"]
+            for contribution in of.get("budget", [])
+        ]
+        return pd.DataFrame(rows, columns=["feature", "kind", "datums", "term", "standard_um", "share"])
+
+
 def correlation_of(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the correlation matrix; 0 beside the diagonal for a figure that does not vary."""
     errors = np.sqrt(np.diag(covariance))

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ._results import Result, Section
+from ._results import Budgeted, Result, Section
 
 
 class Plane(Section):
@@ -2609,6 +2609,291 @@ class Uncertainty(Result):
     warnings: tuple[str, ...]
 
 
+class Contribution(Section):
+    """Contribution of a term of the machine.
+
+    Attributes
+    ----------
+    term : str
+        Name of the term: of its errors those of ISO 230-1.
+    standard_um : float
+        Contribution to the standard uncertainty; their squares add up to its square.
+    share : float
+        Share of the variance, 0 … 1, after the squares of the effects of each quantity alone.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    term: str
+    standard_um: float
+    share: float
+
+
+class Predicted(Section):
+    """A toleranced characteristic of a feature.
+
+    Attributes
+    ----------
+    feature : str
+        Name of the feature.
+    kind : str
+        The characteristic.
+    datums : tuple[str, ...]
+        Names of the datums; of a distance: the other feature.
+    uncorrected_um : float
+        Predicted value without correction.
+    corrected_um : float
+        Predicted value with the machine's correction.
+    limits_um : tuple[float | None, ...]
+        Least and greatest value that the tolerance permits; a zone has no least.
+    expanded_um : float | None
+        Expanded uncertainty: half of the interval.
+    interval_um : Interval | None
+        Interval that contains the true value.
+    conformance : float | None
+        Probability that the true value is within the limits, 0 … 1.
+    verdict : str | None
+        `conforms`, `does not conform` or `undecided`, after ISO 14253-1.
+    parts_cut : int | None
+        Drawn parts cut by exact transforms that gave the interval; `null` if the derivatives did.
+    budget : tuple[Contribution, ...] | None
+        Contributions, largest first.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {"interval_um": Interval, "budget": Contribution}
+    feature: str
+    kind: str
+    datums: tuple[str, ...]
+    uncorrected_um: float
+    corrected_um: float
+    limits_um: tuple[float | None, ...]
+    expanded_um: float | None
+    interval_um: Interval | None
+    conformance: float | None
+    verdict: str | None
+    parts_cut: int | None
+    budget: tuple[Contribution, ...] | None
+
+
+class Measurement(Section):
+    """A measurement.
+
+    Attributes
+    ----------
+    name : str
+        Instrument, and where or along which axis it is used.
+    minutes : float
+        Time.
+    in_task : bool
+        Whether it is part of the task of `calibrate plan`.
+    file : str | None
+        The owner's own task of `calibrate plan`, if it is one.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    name: str
+    minutes: float
+    in_task: bool
+    file: str | None
+
+
+class AdvisedLeft(Section):
+    """A term that keeps a feature uncertain after the measurements.
+
+    Attributes
+    ----------
+    term : str
+        Name of the term.
+    share : float
+        Share of the variance that is left, 0 … 1.
+    is_measured : bool
+        Whether one of the measurements depends on it.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    term: str
+    share: float
+    is_measured: bool
+
+
+class Advised(Section):
+    """A characteristic before and after the measurements.
+
+    Attributes
+    ----------
+    feature : str
+        Name of the feature.
+    kind : str
+        The characteristic.
+    before_um : float
+        Expanded uncertainty before the measurements.
+    after_um : float
+        Expanded uncertainty after them.
+    least_um : float
+        Expanded uncertainty after every measurement that is possible.
+    interval_um : Interval
+        Interval expected after the measurements, if they confirm the predicted value.
+    verdict_before : str
+        Verdict before.
+    verdict_after : str
+        Verdict expected after.
+    left : tuple[AdvisedLeft, ...]
+        What keeps an undecided feature uncertain.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {"interval_um": Interval, "left": AdvisedLeft}
+    feature: str
+    kind: str
+    before_um: float
+    after_um: float
+    least_um: float
+    interval_um: Interval
+    verdict_before: str
+    verdict_after: str
+    left: tuple[AdvisedLeft, ...]
+
+
+class Placed(Section):
+    """A place of the part.
+
+    Attributes
+    ----------
+    at_mm : NDArray[np.float64]
+        Program zero in machine coordinates.
+    conform : NDArray[np.int64]
+        Characteristics that conform where the part is, and at this place.
+    here : float
+        Largest end of an interval as a share of the tolerance, where the part is.
+    there : float
+        The same at this place.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    at_mm: NDArray[np.float64]
+    conform: NDArray[np.int64]
+    here: float
+    there: float
+
+
+class Directed(Section):
+    """A feature cut in the other direction.
+
+    Attributes
+    ----------
+    feature : str
+        The feature.
+    kind : str
+        The characteristic that improves most.
+    here : float
+        Its largest end as a share of the tolerance, as programmed.
+    there : float
+        The same in the other direction.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    feature: str
+    kind: str
+    here: float
+    there: float
+
+
+class Advice(Section):
+    """What to do about a predicted part.
+
+    Attributes
+    ----------
+    measurements : tuple[Measurement, ...]
+        A short set of measurements with which most characteristics get a verdict, in the order of the part's file.
+    exact : bool
+        Whether it is the shortest of all sets: every set was compared.
+    minutes : float
+        Time of all of them.
+    features : tuple[Advised, ...]
+        Every toleranced characteristic before and after them, in the order of the part.
+    compared : tuple[str, ...]
+        Measurements that are possible and were compared.
+    left_out : tuple[str, ...]
+        Measurements that are not possible, and why.
+    independent : tuple[str, ...]
+        Lasers that are used along several axes: what is common to these uses, such as the wavelength, is taken as independent.
+    place : Placed | None
+        Where on the table the part is better, before the measurements.
+    places_compared : int | None
+        Number of places compared.
+    places_refused : int | None
+        Number of places refused: the part or its correction leaves the travel there.
+    directions : tuple[Directed, ...] | None
+        Features that are better cut in the other direction.
+    corrected : tuple[str, ...]
+        Characteristics to which the correction gives another verdict, in words.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {"measurements": Measurement, "features": Advised, "place": Placed, "directions": Directed}
+    measurements: tuple[Measurement, ...]
+    exact: bool
+    minutes: float
+    features: tuple[Advised, ...]
+    compared: tuple[str, ...]
+    left_out: tuple[str, ...]
+    independent: tuple[str, ...]
+    place: Placed | None
+    places_compared: int | None
+    places_refused: int | None
+    directions: tuple[Directed, ...] | None
+    corrected: tuple[str, ...]
+
+
+class PredictedPart(Budgeted):
+    """Result of `predict`.
+
+    Attributes
+    ----------
+    part : str
+        Name of the part.
+    program : str
+        Name of the program.
+    machine : str
+        Name of the machine.
+    at_mm : NDArray[np.float64]
+        Program zero in machine coordinates.
+    confidence_percent : float
+        Coverage of the intervals.
+    trials : int
+        Number of machines drawn.
+    seed : int
+        Seed of the draws.
+    features : tuple[Predicted, ...]
+        A toleranced characteristic each, in the order of the part.
+    not_stated : tuple[str, ...]
+        Keys of the machine that are not stated; their uncertainty counts as zero.
+    warnings : tuple[str, ...]
+        Remarks: on the machine's uncertainties, and on limits that reduce its correction.
+    advice : Advice | None
+        What to do about it, where asked for.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {"features": Predicted, "advice": Advice}
+    part: str
+    program: str
+    machine: str
+    at_mm: NDArray[np.float64]
+    confidence_percent: float
+    trials: int
+    seed: int
+    features: tuple[Predicted, ...]
+    not_stated: tuple[str, ...]
+    warnings: tuple[str, ...]
+    advice: Advice | None
+
+
 class HelicoidPoint(Section):
     """One row of the result.
 
@@ -2883,4 +3168,4 @@ class Run(Result):
     trace: Section
 
 
-__all__ = ["Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "Uncertainty", "Helicoid", "Learned", "Transfer", "Run"]
+__all__ = ["Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "Uncertainty", "PredictedPart", "Helicoid", "Learned", "Transfer", "Run"]

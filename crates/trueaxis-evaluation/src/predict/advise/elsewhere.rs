@@ -95,32 +95,18 @@ impl Asked<'_> {
             let Some(here) = &here else { continue };
             // Others refer to it as a datum: none of them may be worse.
             let all = here.features.iter().zip(&there.features);
-            let is_worse = |(now, then): (&Predicted, &Predicted)| share(then) > (1.0 + BETTER) * share(now).max(1e-3);
+            let is_worse = |(now, then): (&Predicted, &Predicted)| then.used() > (1.0 + BETTER) * now.used().max(1e-3);
             if all.clone().any(is_worse) {
                 continue;
             }
-            let gain = |k: &usize| share(&here.features[*k]) - share(&there.features[*k]);
+            let gain = |k: &usize| here.features[*k].used() - there.features[*k].used();
             let Some(k) = own.into_iter().max_by(|a, b| gain(a).total_cmp(&gain(b))) else { continue };
-            let [here, there] = [here, &there].map(|document| share(&document.features[k]));
+            let [here, there] = [here, &there].map(|document| document.features[k].used());
             if there < (1.0 - BETTER) * here {
                 found.push(Directed { feature: feature.name.clone(), kind: predicted.features[k].kind, here, there });
             }
         }
         Ok(found)
-    }
-}
-
-/// The largest end of a feature's interval as a share of its tolerance.
-fn share(of: &Predicted) -> f64 {
-    let Some(known) = &of.known else { return 0.0 };
-    let [low, high] = [known.interval_um.low, known.interval_um.high];
-    match of.limits_um {
-        [Some(least), Some(most)] => {
-            let [middle, half] = [0.5 * (least + most), 0.5 * (most - least)];
-            (high - middle).max(middle - low) / half
-        }
-        [_, Some(width)] => high / width,
-        [_, None] => 0.0,
     }
 }
 
@@ -137,7 +123,7 @@ impl Rated {
     fn of(document: &PredictDocument) -> Rated {
         let conforms = |of: &&Predicted| of.known.as_ref().is_some_and(|known| known.verdict == "conforms");
         let conform = document.features.iter().filter(conforms).count();
-        Rated { conform, worst: document.features.iter().map(share).fold(0.0, f64::max) }
+        Rated { conform, worst: document.features.iter().map(Predicted::used).fold(0.0, f64::max) }
     }
 
     /// More characteristics conform, or as many with a largest share that is less by this part of it.

@@ -32,17 +32,16 @@ pub use instrument::{Instrument, InstrumentKind, Touching};
 use super::verdict::verdict_of;
 use super::{Part, PredictDocument, Prepared, State, responses};
 use crate::calibrate::Task;
-use crate::predict::cut::{Cut, parameters};
+use crate::predict::cut::Cut;
+use crate::predict::room::room;
 use crate::predict::unknowns::{Model, Unknown};
 use crate::uncertainty::terms::{Along, Counts, Effect, Terms};
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, bail};
 use candidate::{Candidate, Shop, Way, grouped};
 use elsewhere::Asked;
 use prior::Prior;
 use search::{Choice, Search};
-use trueaxis::machine::Axis;
 use trueaxis_metrology::uncertainty::Interval;
-use trueaxis_sim::placement::Placement;
 use trueaxis_sim::program::Program;
 use trueaxis_tables::Machine;
 use trueaxis_tables::uncertainty::Uncertainties;
@@ -115,16 +114,9 @@ pub fn elsewhere(
     part: &Part,
     predicted: &PredictDocument,
 ) -> Result<Elsewhere> {
-    let placement =
-        Placement::new(machine, part.at_mm).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
-    let [low, high] = run(program, &placement);
     let asked = Asked { machine, stated, program, part, seed: predicted.seed };
-    let room = [Axis::X, Axis::Y].map(|axis| {
-        let [least, most] = machine.settings.axis(axis).map_or([0.0; 2], |own| own.travel);
-        let k = axis.index();
-        [(least - low[k]).min(0.0), (most - high[k]).max(0.0)]
-    });
-    Ok(Elsewhere { directions: asked.directions(predicted)?, ..asked.place(room)? })
+    let [x, y, _] = room(machine, program, part)?;
+    Ok(Elsewhere { directions: asked.directions(predicted)?, ..asked.place([x, y])? })
 }
 
 fn prior_of<'m>(model: &'m Model<'m>, predicted: &PredictDocument) -> Result<Prior<'m>> {
@@ -144,21 +136,6 @@ fn extent(cuts: &[Cut]) -> [[f64; 3]; 2] {
     let points = || cuts.iter().flat_map(|cut| &cut.points).map(|point| point.uncorrected.sent);
     let end = |pick: fn(f64, f64) -> f64| std::array::from_fn(|k| points().map(|at| at[k]).reduce(pick).unwrap_or(0.0));
     [end(f64::min), end(f64::max)]
-}
-
-/// Lowest and highest commands of X, Y, Z in the program.
-fn run(program: &Program, placement: &Placement) -> [[f64; 3]; 2] {
-    let mut range = [[f64::MAX; 3], [f64::MIN; 3]];
-    for step in &program.moves {
-        for u in parameters(step, None, placement) {
-            let command = placement.axes(step, u);
-            for k in 0..3 {
-                range[0][k] = range[0][k].min(command[k]);
-                range[1][k] = range[1][k].max(command[k]);
-            }
-        }
-    }
-    range
 }
 
 /// Largest standard deviation of an axis' approach, mm.

@@ -1,0 +1,61 @@
+//! A part with its programs and tasks from the folder of its file.
+
+use super::Part;
+use crate::calibrate::Task;
+use anyhow::{Result, bail};
+use std::fs::canonicalize;
+use std::path::{Path, PathBuf};
+use trueaxis_sim::program::{Program, ReadOptions, Source};
+use trueaxis_tables::text::read_text;
+
+/// Begin comments before a table.
+const COMMENTS: &[char] = &['#', ';'];
+
+/// A part and the program that cuts it.
+pub struct PartFiles {
+    /// The part, with the programs of its further set-ups.
+    pub part: Part,
+    /// Its program.
+    pub program: Program,
+    /// The program's file.
+    pub path: PathBuf,
+}
+
+impl PartFiles {
+    /// Reads a part's file and its program: `program`, or the file that the part names, beside it. `option` is what states
+    /// the program otherwise, for errors.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is refused; no program.
+    pub fn read(file: &Path, program: Option<&Path>, option: &str) -> Result<PartFiles> {
+        let mut part = Part::read(&read_text(file, COMMENTS)?, file)?;
+        let beside = part.program.as_ref().map(|name| file.with_file_name(name));
+        let Some(path) = program.map(Path::to_path_buf).or(beside) else {
+            bail!("{}: key program: found nothing, needed a G-code file, or {option}", file.display());
+        };
+        let read = |path: &Path| -> Result<Program> {
+            let source = Source::read(path)?;
+            Ok(Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(path))?)
+        };
+        let program = read(&path)?;
+        part.read_setups(|name| read(&file.with_file_name(name)))?;
+        Ok(PartFiles { part, program, path })
+    }
+}
+
+/// Reads a task of `calibrate` that a part names, beside the part's file.
+///
+/// # Errors
+/// A file that cannot be read or is refused; a task of another machine than the one in `machine`.
+pub fn own_task(part: &Path, name: &str, machine: &Path) -> Result<Task> {
+    let file = part.with_file_name(name);
+    let task = Task::read(&read_text(&file, COMMENTS)?, &file)?;
+    let description = |path: &Path| if path.is_dir() { path.join("machine.toml") } else { path.to_owned() };
+    let stated = task.file.with_file_name("").join(&task.machine);
+    let [own, wanted] = [stated.as_path(), machine].map(|path| canonicalize(description(path)).ok());
+    if own.is_none() || own != wanted {
+        let (file, found, needed) = (task.file.display(), stated.display(), machine.display());
+        bail!("{file}: key machine: found {found}, needed {needed}, the machine that is predicted");
+    }
+    Ok(task)
+}

@@ -1,0 +1,122 @@
+//! A part that is moved about the machine, at the pace of a slider.
+//!
+//! ```text
+//! p(place)   = points of the features at the place, by exact transforms with the correction there
+//! d_i        = p_i(home) − p(home): 200 drawn parts, cut once where the part was prepared
+//! y(place)   = characteristics of the features fitted to p(place)
+//! y_i(place) = the same of p(place) + d_i
+//! ```
+//!
+//! The values are exact at every place. The scatter is exact at home, where it is that of [`predict`](super::predict()) with
+//! 200 draws. At another place it is exact for quantities with the same effect everywhere (squareness, scale, repeatability
+//! of an approach) as far as the datums follow the part, and approximate for points of tables, whose uncertainties may differ
+//! along an axis, and for angular errors, whose levers change with the place. The fits are repeated for every draw, so that a
+//! zone that the new place widens is not counted twice.
+
+use super::cut::State;
+use super::document::Outcome;
+use super::room::room;
+use super::shape::{Shape, drawn};
+use super::{CHECKED, Options, Part, PredictDocument, Prepared};
+use anyhow::{Result, bail};
+use glam::{DVec3, Vec3};
+use trueaxis_metrology::cores::*;
+use trueaxis_sim::program::Program;
+use trueaxis_tables::Machine;
+use trueaxis_tables::uncertainty::Uncertainties;
+
+/// Deviations of a drawn part from the stated one by feature and point, mm.
+type Scatter = Vec<Vec<Vec3>>;
+
+/// A part prepared at one place, to be moved to others.
+#[derive(Debug)]
+pub struct Live {
+    machine: Machine,
+    stated: Uncertainties,
+    program: Program,
+    part: Part,
+    seed: u64,
+    /// By draw; empty if the machine states no uncertainty.
+    scatter: Vec<Scatter>,
+}
+
+/// A part at a place.
+#[derive(Clone, Debug)]
+pub struct There {
+    /// Values, intervals and verdicts; the budgets are empty.
+    pub document: PredictDocument,
+    /// The features as a picture.
+    pub shapes: Vec<Shape>,
+}
+
+impl Live {
+    /// Draws the scatter of a part at its place, and keeps it.
+    ///
+    /// # Errors
+    /// As [`predict`](super::predict()).
+    pub fn new(machine: &Machine, stated: &Uncertainties, program: &Program, part: &Part, seed: u64) -> Result<Live> {
+        let prepared = Prepared::new(machine, stated, program, part)?;
+        let model = prepared.model(machine, part);
+        let home = model.points(&model.nothing(), State::Corrected)?;
+        let apart = |number: u64| {
+            let points = model.points(&model.draw(seed, number), State::Corrected)?;
+            let of_feature = |(own, home): (&Vec<DVec3>, &Vec<DVec3>)| {
+                own.iter().zip(home).map(|(own, home)| (*own - *home).as_vec3()).collect()
+            };
+            Ok(points.iter().zip(&home).map(of_feature).collect())
+        };
+        let draws = if model.terms.all.is_empty() { 0 } else { CHECKED };
+        let scatter = (0..draws).into_par_iter().map(apart).collect::<Result<Vec<Scatter>>>()?;
+        let (machine, stated, program, part) = (machine.clone(), stated.clone(), program.clone(), part.clone());
+        Ok(Live { machine, stated, program, part, seed, scatter })
+    }
+
+    /// Lowest and highest place of the program's zero in the machine along X, Y and Z until the program leaves the travel, mm.
+    /// With rotary axes, only near the first place: they carry X, Y and Z along.
+    ///
+    /// # Errors
+    /// A machine without a kinematic chain.
+    pub fn range_mm(&self) -> Result<[[f64; 2]; 3]> {
+        let room = room(&self.machine, &self.program, &self.part)?;
+        Ok(std::array::from_fn(|k| room[k].map(|way| self.part.at_mm[k] + way)))
+    }
+
+    /// The part with its program's zero at `at_mm` of the machine; further set-ups stay where they are.
+    ///
+    /// # Errors
+    /// A place at which the program leaves the travel.
+    pub fn at(&self, at_mm: [f64; 3]) -> Result<There> {
+        let Live { machine, stated, program, seed, .. } = self;
+        let part = Part { at_mm, ..self.part.clone() };
+        let prepared = Prepared::new(machine, stated, program, &part)?;
+        let model = prepared.model(machine, &part);
+        let nothing = model.nothing();
+        let uncorrected = model.points(&nothing, State::Uncorrected)?;
+        let corrected = model.points(&nothing, State::Corrected)?;
+        let counts = |points: &[Vec<DVec3>]| points.iter().map(Vec::len).collect::<Vec<_>>();
+        if let Some(first) = self.scatter.first()
+            && first.iter().map(Vec::len).ne(counts(&corrected))
+        {
+            bail!("found features with other points than at the first place, needed the same ones");
+        }
+        let values = [model.values(&uncorrected)?, model.values(&corrected)?];
+        let moved = |scatter: &Scatter| {
+            let of_feature = |(own, apart): (&Vec<DVec3>, &Vec<Vec3>)| {
+                own.iter().zip(apart).map(|(own, apart)| *own + apart.as_dvec3()).collect()
+            };
+            model.values(&corrected.iter().zip(scatter).map(of_feature).collect::<Vec<Vec<DVec3>>>())
+        };
+        let draws = self.scatter.par_iter().map(moved).collect::<Result<Vec<_>>>()?;
+        let outcome = |index: usize| Outcome {
+            values: draws.iter().map(|values| values[index]).collect(),
+            cut: true,
+            contributions: vec![0.0; model.terms.all.len()],
+        };
+        let outcomes = if draws.is_empty() { Vec::new() } else { (0..values[1].len()).map(outcome).collect() };
+        let options = Options { trials: CHECKED, seed: *seed };
+        let document =
+            PredictDocument::new(&model, program, options, ([&values[0], &values[1], &values[1]], None), outcomes);
+        let shapes = drawn(&model, [&uncorrected, &corrected], &document);
+        Ok(There { document, shapes })
+    }
+}

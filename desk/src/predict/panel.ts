@@ -1,0 +1,263 @@
+// A part before it is cut: its features in the colour of their verdict, and the part moved about the machine.
+
+import partText from "../../../records/plate/part.toml";
+import programText from "../../../records/plate/plate.ngc";
+import { message, type Desk } from "../core/desk";
+import { commandLine, debounce, el, numberField, section, slider, type Field } from "../core/dom";
+import { onDrop, picker, text, type Given } from "../core/files";
+import { adopt } from "../core/machine";
+import { significant } from "../core/number";
+import { FIRST_MACHINE, Samples } from "../core/sample";
+import { word } from "../core/shell";
+import { Sentence, showTables, tabled } from "../core/shown";
+import type { Vector } from "../core/space";
+import { titled, type Predicted, type Range, type Request, type There } from "./documents";
+import { Picture } from "./picture";
+import { Features } from "./table";
+
+export interface ViewState {
+  /** No part was open if null. */
+  request: Request | null;
+  sample: boolean;
+}
+
+/** Draws in the page; the command line has 10,000. */
+const TRIALS = 1000;
+const NOTHING = "Drop a part.toml with its program, and the machine's folder unless it is the machine shown.";
+const SAMPLE: Request = { part: ["part.toml", partText], program: ["plate.ngc", programText], more: [], at_mm: null, trials: TRIALS, seed: 1 };
+/** Time without a move after which the part is predicted at its new place, ms. */
+const REST_MS = 600;
+
+export class Part {
+  private request: Request | undefined;
+  private isSample = false;
+  private found: Predicted | undefined;
+  /** Counts the predictions, so that a late response is discarded. */
+  private latest = 0;
+  /** The place that the sliders ask for while another one is computed. */
+  private wanted: Vector | undefined;
+  private isMoving = false;
+  private chosen = 0;
+  private range: Range | undefined;
+  private sliders: Field[] = [];
+  private readonly fields: Record<"trials" | "seed", Field>;
+  private readonly samples = new Samples([["Try a sample", () => this.trySample()]]);
+  private readonly status = el("p", { role: "status" });
+  private readonly command = commandLine("The same on the command line:");
+  private readonly sentence = new Sentence();
+  private readonly picture = new Picture();
+  private readonly features = new Features((index) => this.choose(index));
+  private readonly place = el("div", { class: "place" });
+  private readonly moved = el("p", { role: "status", class: "said" });
+  private readonly budget = el("div", { class: "figures" });
+  private readonly notes = el("div", { class: "figures" });
+  private readonly results: HTMLElement;
+  private readonly soon = debounce(250, () => void this.predict());
+  private readonly rest = debounce(REST_MS, () => void this.predict());
+
+  constructor(
+    root: HTMLElement,
+    private readonly desk: Desk,
+  ) {
+    const open = (given: Given[]) => void this.take(given).catch(desk.fail);
+    const field = (label: string, key: "trials" | "seed", min: number, max: number) =>
+      numberField({ label, value: SAMPLE[key], min, max, step: 1 }, (value) => {
+        if (this.request) this.request[key] = value;
+        this.soon();
+      });
+    this.fields = { trials: field("Machines drawn", "trials", 200, 100_000), seed: field("Seed", "seed", 0, Number.MAX_SAFE_INTEGER) };
+    this.results = el(
+      "div",
+      { hidden: true },
+      this.sentence.root,
+      el("div", { class: "columns" }, section("Features", this.picture.root), section("Place of the program's zero in the machine", this.place, this.moved, this.budget)),
+      section("Tolerances", this.features.root, this.notes),
+    );
+    root.append(
+      section(
+        "Part before it is cut",
+        el("p", {}, "The program runs on the exact geometry of the machine; the features of the part are fitted to what it cuts, and compared with their tolerances. Servo, temperature, tool and process are not included."),
+        el("div", { class: "row" }, picker("Open part, program or machine", { accept: ".toml,.ngc,.nc,.gcode,.tap,.csv,.txt", several: true }, open, desk.fail), ...Object.values(this.fields).map(({ root }) => root)),
+        this.samples.root,
+        this.status,
+        this.command.root,
+      ),
+      this.results,
+    );
+    onDrop(root, open, desk.fail);
+    desk.machine.subscribe(this.soon);
+    this.status.textContent = NOTHING;
+    if (desk.machine.name === FIRST_MACHINE) this.trySample();
+  }
+
+  get state(): ViewState {
+    return { request: structuredClone(this.request ?? null), sample: this.isSample };
+  }
+
+  open({ request, sample }: ViewState): void {
+    if (!request) return this.nothing(NOTHING);
+    this.request = structuredClone(request);
+    this.isSample = sample;
+    for (const key of ["trials", "seed"] as const) this.fields[key].value = request[key];
+    void this.predict();
+  }
+
+  private trySample(): void {
+    this.open({ request: { ...SAMPLE, trials: this.fields.trials.value, seed: this.fields.seed.value }, sample: true });
+  }
+
+  /** A part or a program, or both, and a machine. */
+  private async take(given: Given[]): Promise<void> {
+    const { desk } = this;
+    const texts = new Map<string, string>();
+    for (const { path, bytes } of given) {
+      const name = path.split("/").at(-1) ?? path;
+      const content = text(bytes);
+      if (content === undefined) throw new Error(`${name}: found bytes that are not UTF-8, needed a text`);
+      texts.set(name, content);
+    }
+    const machine = [...texts].filter(([name]) => name === "machine.toml" || (texts.has("machine.toml") && name.endsWith(".csv")));
+    if (texts.has("machine.toml")) {
+      await adopt(desk, Object.fromEntries(machine), { what: "opened" }, given.find(({ path }) => path.endsWith("machine.toml"))?.path.split("/").at(-2) ?? "machine");
+      for (const [name] of machine) texts.delete(name);
+    }
+    const rest = [...texts];
+    const part = rest.find(([name]) => name.toLowerCase().endsWith(".toml"));
+    const named = part ? (await desk.bench.call("predict_programs", part[0], part[1])).map((path) => path.split("/").at(-1)!) : [];
+    const programs = rest.filter((one) => one !== part);
+    const program = programs.find(([name]) => name === named[0]) ?? programs[0];
+    const more = programs.filter((one) => one !== program && named.includes(one[0]));
+    if (!part && !program) return;
+    const old = this.isSample ? undefined : this.request;
+    const request = { ...SAMPLE, trials: this.fields.trials.value, seed: this.fields.seed.value, part: part ?? old?.part, program: program ?? old?.program, more };
+    if (!request.part || !request.program) {
+      // The other one may follow.
+      this.partial = { part: request.part ?? this.partial.part, program: request.program ?? this.partial.program };
+      if (!this.partial.part || !this.partial.program) {
+        this.nothing(request.part ? `${request.part[0]}: open its program${named[0] ? `, ${named[0]}` : ""}, too.` : `${request.program![0]}: open its part.toml, too.`);
+        return;
+      }
+      [request.part, request.program] = [this.partial.part, this.partial.program];
+    }
+    this.partial = {};
+    this.open({ request: request as Request, sample: false });
+  }
+
+  /** A part without its program, or a program without its part. */
+  private partial: { part?: Request["part"] | undefined; program?: Request["program"] | undefined } = {};
+
+  private nothing(why: string): void {
+    this.latest += 1;
+    this.request = undefined;
+    this.samples.shown = this.isSample = false;
+    this.results.hidden = true;
+    this.status.textContent = why;
+  }
+
+  /** Predicts the part where it is, and keeps it to be moved from there. */
+  private async predict(): Promise<void> {
+    const { desk, request } = this;
+    if (!request) return;
+    const turn = ++this.latest;
+    this.samples.shown = this.isSample;
+    this.describe(request);
+    this.status.textContent = `Predicting ${request.part[0]} …`;
+    try {
+      const asked = JSON.stringify(request);
+      const [said, range] = await Promise.all([desk.runs.call("predict", desk.machine.json, asked), desk.bench.call("predict_keep", desk.machine.json, asked)]);
+      if (turn !== this.latest) return;
+      this.found = JSON.parse(said) as Predicted;
+      this.range = JSON.parse(range) as Range;
+      desk.clear();
+      const { shown, notes } = this.found;
+      this.status.textContent = [`${shown.summary.join(", ")}.`, ...notes].join(" ");
+      this.sentence.set(shown.result);
+      this.results.hidden = false;
+      this.moved.textContent = "";
+      this.sliding(this.found.document.at_mm);
+      this.chosen = this.found.used.indexOf(Math.max(...this.found.used));
+      this.show(this.found);
+      this.explain();
+      showTables(this.notes, { ...shown, tables: [] });
+    } catch (error) {
+      if (turn !== this.latest) return;
+      this.status.textContent = `${request.part[0]} could not be predicted on ${desk.machine.name}.`;
+      this.results.hidden = true;
+      // A sample that does not suit the machine is no error of the user.
+      if (this.isSample) this.status.textContent += ` ${message(error)}`;
+      else desk.fail(error);
+    }
+  }
+
+  private show({ document, used, shapes }: There): void {
+    this.picture.set(shapes, document.features[this.chosen]?.feature ?? "");
+    this.features.set(document.features, used, this.chosen);
+  }
+
+  private choose(index: number): void {
+    this.chosen = index;
+    if (this.found) this.show(this.found);
+    this.explain();
+  }
+
+  /** The budget of the chosen characteristic. */
+  private explain(): void {
+    const of = this.found?.document.features[this.chosen];
+    const budget = of?.budget ?? [];
+    if (!of || budget.length === 0) {
+      this.budget.replaceChildren();
+      return;
+    }
+    const rows = budget.slice(0, 12).map(({ term, standard_um, share }) => [term, { text: significant(100 * share, 3), value: 100 * share }, { text: significant(standard_um, 3), value: standard_um }]);
+    this.budget.replaceChildren(tabled({ caption: `Budget of ${titled(of)}`, header: ["term", "share, %", "standard uncertainty, µm"], rows, bars: 1 }));
+  }
+
+  /** Sliders over the travel that the part leaves. */
+  private sliding(at: Vector): void {
+    const { range } = this;
+    if (!range) return;
+    const same = this.sliders.length === 3 && this.sliders.every(({ input }, k) => Number(input.min) === range[k]![0] && Number(input.max) === range[k]![1]);
+    if (!same) {
+      this.sliders = ["X", "Y", "Z"].map((label, k) => slider({ label, unit: "mm", value: at[k]!, min: range[k]![0], max: range[k]![1] }, () => this.move()));
+      this.place.replaceChildren(...this.sliders.map(({ root }) => root));
+    }
+    this.sliders.forEach((field, k) => (field.value = at[k]!));
+  }
+
+  private move(): void {
+    const at = this.sliders.map(({ value }) => value) as Vector;
+    if (this.request) this.request.at_mm = at;
+    // An earlier prediction would bring the part back.
+    this.latest += 1;
+    this.wanted = at;
+    void this.follow();
+    this.rest();
+  }
+
+  /** One place after the other, the last one asked for first. */
+  private async follow(): Promise<void> {
+    if (this.isMoving) return;
+    this.isMoving = true;
+    try {
+      while (this.wanted) {
+        const [at, turn] = [this.wanted, this.latest];
+        this.wanted = undefined;
+        const there = JSON.parse(await this.desk.bench.call("predict_at", ...at)) as There;
+        if (turn !== this.latest && !this.wanted) continue;
+        this.found = { ...this.found!, ...there, document: { ...there.document, features: there.document.features.map((of, k) => ({ ...of, budget: this.found!.document.features[k]?.budget ?? [] })) } };
+        this.moved.textContent = "While it moves: exact values, the scatter of the place before. At rest it is predicted anew.";
+        this.show(this.found);
+      }
+    } catch (error) {
+      this.desk.fail(error);
+    } finally {
+      this.isMoving = false;
+    }
+  }
+
+  private describe({ part: [name], program: [program], at_mm, trials, seed }: Request): void {
+    const machine = word(this.desk.machine.name);
+    const place = at_mm ? ` # with at_mm = [${at_mm.map((q) => significant(q, 6).replace("−", "-")).join(", ")}] in ${name}` : "";
+    this.command.set(`trueaxis predict ${machine} ${word(name)} --program ${word(program)} --trials ${trials} --seed ${seed}${place}`);
+  }
+}

@@ -1,0 +1,182 @@
+//! A part before it is cut, and moved about the machine.
+
+use crate::files::{DESCRIPTION, machine, memory};
+use crate::{Refusal, json, to_js};
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+use std::cell::RefCell;
+use std::path::Path;
+use trueaxis_evaluation::predict::{Live, Options, Part, PredictDocument, Shape, predict as evaluate, shapes};
+use trueaxis_evaluation::shown::Shown;
+use trueaxis_sim::program::Program;
+use trueaxis_tables::Machine;
+use trueaxis_tables::uncertainty::Uncertainties;
+use wasm_bindgen::prelude::*;
+
+thread_local! {
+    /// The part that is moved.
+    static LIVE: RefCell<Option<Live>> = const { RefCell::new(None) };
+}
+
+/// A part, its program and the draws.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Request {
+    /// Name and text of the part's file.
+    part: [String; 2],
+    /// Name and text of the program.
+    program: [String; 2],
+    /// Programs of further set-ups.
+    #[serde(default)]
+    more: Vec<[String; 2]>,
+    /// Place of the program's zero; that of the part's file if `null`.
+    at_mm: Option<[f64; 3]>,
+    trials: u64,
+    seed: u64,
+}
+
+/// A predicted part.
+#[derive(Serialize)]
+struct Predicted {
+    /// The document printed by `trueaxis predict --json`.
+    document: PredictDocument,
+    /// Printed by `trueaxis predict`.
+    shown: Shown,
+    /// Share of each tolerance that is used.
+    used: Vec<f64>,
+    shapes: Vec<Shape>,
+    notes: Vec<String>,
+}
+
+/// The part at another place.
+#[derive(Serialize)]
+struct There {
+    document: PredictDocument,
+    used: Vec<f64>,
+    shapes: Vec<Shape>,
+}
+
+fn used(document: &PredictDocument) -> Vec<f64> {
+    document.features.iter().map(trueaxis_evaluation::predict::Predicted::used).collect()
+}
+
+/// Everything that a part is predicted from.
+struct Read {
+    machine: Machine,
+    stated: Uncertainties,
+    program: Program,
+    part: Part,
+    options: Options,
+    notes: Vec<String>,
+}
+
+fn read(files: &str, request: &str) -> Result<Read> {
+    let Request { part: [part_name, part], program: [name, program], more, at_mm, trials, seed } =
+        serde_json::from_str(request).context("the request of a part")?;
+    let mut notes = Vec::new();
+    let machine = machine(files, &mut notes)?;
+    let stated = Uncertainties::read_from(&memory(files)?, Path::new(DESCRIPTION))?;
+    let mut part = Part::read(&part, Path::new(&part_name))?;
+    part.at_mm = at_mm.unwrap_or(part.at_mm);
+    let parse = |name: &str, text: &str| {
+        let stem = Path::new(name).file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
+        Program::parse(&stem, text, name)
+    };
+    let program = parse(&name, &program)?;
+    part.read_setups(|file| {
+        let own = Path::new(file).file_name();
+        let [name, text] = more
+            .iter()
+            .find(|[name, _]| Path::new(name).file_name() == own)
+            .with_context(|| format!("{part_name}: found no program {file}, needed it beside the part"))?;
+        anyhow::Ok(parse(name, text)?)
+    })?;
+    Ok(Read { machine, stated, program, part, options: Options { trials, seed }, notes })
+}
+
+fn predicted(files: &str, request: &str) -> Result<String> {
+    let Read { machine, stated, program, part, options, notes } = read(files, request)?;
+    let document = evaluate(&machine, &stated, &program, &part, options)?;
+    let shapes = shapes(&machine, &stated, &program, &part, &document)?;
+    json(&Predicted { shown: document.shown(), used: used(&document), document, shapes, notes })
+}
+
+/// Predicts a part: `document`, `shown`, `used`, `shapes`, `notes`. `request`: `part` and `program` (name and text each),
+/// `at_mm`, `trials`, `seed`.
+#[wasm_bindgen]
+pub fn predict(files: &str, request: &str) -> Result<String, Refusal> {
+    to_js(predicted(files, request))
+}
+
+/// Keeps the part of a request for [`predict_at`]; returns the lowest and highest place along X, Y and Z, mm.
+#[wasm_bindgen]
+pub fn predict_keep(files: &str, request: &str) -> Result<String, Refusal> {
+    let kept = || {
+        let Read { machine, stated, program, part, options, .. } = read(files, request)?;
+        let live = Live::new(&machine, &stated, &program, &part, options.seed)?;
+        let range_mm = live.range_mm()?;
+        LIVE.set(Some(live));
+        json(&range_mm)
+    };
+    to_js(kept())
+}
+
+/// The kept part with its program's zero at another place: `document` without budgets, `used`, `shapes`.
+#[wasm_bindgen]
+pub fn predict_at(x_mm: f64, y_mm: f64, z_mm: f64) -> Result<String, Refusal> {
+    to_js(LIVE.with_borrow(|live| {
+        let moved = live.as_ref().context("found no part, needed one that was kept")?.at([x_mm, y_mm, z_mm])?;
+        json(&There { used: used(&moved.document), document: moved.document, shapes: moved.shapes })
+    }))
+}
+
+/// The programs that a part's file names: the part's own, or "", then those of its further set-ups.
+#[wasm_bindgen]
+pub fn predict_programs(name: &str, part: &str) -> Result<Vec<String>, Refusal> {
+    let named = |part: Part| {
+        let setups = part.setups.into_iter().map(|setup| setup.file);
+        std::iter::once(part.program.unwrap_or_default()).chain(setups).collect()
+    };
+    to_js(Part::read(part, Path::new(name)).map(named).map_err(Into::into))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::sample;
+    use serde_json::{Value, json};
+
+    fn request(part: &str, at_mm: Option<[f64; 3]>) -> String {
+        let program = include_str!("../../../records/plate/plate.ngc");
+        json!({"part": ["part.toml", part], "program": ["plate.ngc", program], "at_mm": at_mm, "trials": 200, "seed": 1})
+            .to_string()
+    }
+
+    #[test]
+    fn a_part_moves_to_where_it_is_predicted_again() {
+        let part = include_str!("../../../records/plate/part.toml");
+        let files = serde_json::to_string(&sample("mill-3axis").unwrap()).unwrap();
+        assert!(predict_at(0.0, 0.0, 0.0).is_err());
+        let range = predict_keep(&files, &request(part, None)).unwrap();
+        let there = [40.0, -90.0, -260.0];
+        let moved: Value = serde_json::from_str(&predict_at(there[0], there[1], there[2]).unwrap()).unwrap();
+        let again: Value = serde_json::from_str(&predict(&files, &request(part, Some(there))).unwrap()).unwrap();
+        let of = |whole: &Value, key: &str| -> Vec<f64> {
+            whole["document"]["features"].as_array().unwrap().iter().map(|of| of[key].as_f64().unwrap()).collect()
+        };
+        assert_eq!(of(&moved, "corrected_um"), of(&again, "corrected_um"));
+        assert_eq!(moved["shapes"][3]["corrected_um"], again["shapes"][3]["corrected_um"]);
+        let [[low, high], ..] = serde_json::from_str::<[[f64; 2]; 3]>(&range).unwrap();
+        for (x, is_within) in [(low, true), (high, true), (low - 0.1, false), (high + 0.1, false)] {
+            assert_eq!(predict_at(x, there[1], there[2]).is_ok(), is_within, "{x}");
+        }
+    }
+
+    #[test]
+    fn a_refused_part_names_its_file_and_line() {
+        let files = serde_json::to_string(&sample("mill-3axis").unwrap()).unwrap();
+        let part = include_str!("../../../records/plate/part.toml").replace("lines = [29, 29]", "lines = [31, 31]");
+        let error = predict(&files, &request(&part, None)).unwrap_err().to_string();
+        assert!(error.starts_with("part.toml:22: found") && error.contains("needed lines that cut bore"), "{error}");
+    }
+}
