@@ -486,6 +486,39 @@ fn advice_without_what_it_needs_is_refused() {
     assert_eq!(advice["compared"], serde_json::json!(["laser along X", "square XY"]), "{advice}");
 }
 
+/// X and Y still settle when the strokes begin, which moves the middle of a hole by a fraction of a micrometre.
+#[test]
+fn the_servo_is_simulated_where_the_machine_states_its_drives() {
+    let folder = Folder::new(TRUEAXIS);
+    let drive = |axis: &str| {
+        format!(
+            "[axis.{axis}.drive]\nposition_gain_per_s = 80\nvelocity_gain_per_s = 600\nreset_time_s = 0.01\n\
+             lowest_resonance_hz = 1000\n"
+        )
+    };
+    write(&folder, &format!("{OTHERS}[location]\nC0Y_urad = 50\n"), PROGRAM, PART);
+    let call = ["predict", ".", "part.toml", "--servo", "--rate-hz", "2000"];
+    folder.bad(&call, &["small: key axis.X.drive: found nothing", "needed position_gain_per_s"]);
+    let drives = ["X", "Y", "Z"].map(drive).join("");
+    write(&folder, &format!("{OTHERS}[location]\nC0Y_urad = 50\n{drives}"), PROGRAM, PART);
+    let document = folder.json(&[&call[..], &["--json"]].concat());
+    assert!((um(&document, "uncorrected_um") + 2.4).abs() < 0.6, "{document}");
+    let corrected = um(&document, "corrected_um");
+    assert!(corrected.abs() < 0.6 && corrected.abs() > 0.01, "{document}");
+    // Nothing acts on the servo.
+    assert_eq!(um(&document, "everything_um"), corrected);
+    assert_eq!(document["servo"]["rate_hz"], 2000.0);
+    let text = folder.good(&call);
+    for part in
+        ["everything on", "uncertainty of the drives, temperature while cutting, tool and process are not included"]
+    {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    folder.bad(&["predict", ".", "part.toml", "--rate-hz", "2000"], &["--servo"]);
+    folder.bad(&["predict", ".", "part.toml", "--servo", "--rate-hz", "10"], &["rate_hz", "100"]);
+    folder.bad(&[&call[..], &["--advise"]].concat(), &["cannot be used with"]);
+}
+
 /// The spindle end of X grows by 4 µm/K; the second hole is drilled later and warmer.
 #[test]
 fn a_record_of_temperatures_or_a_thermal_toml_adds_the_growth() {

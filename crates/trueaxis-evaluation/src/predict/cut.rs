@@ -61,7 +61,7 @@ pub(super) struct Point {
 pub(super) struct Reached {
     /// Positions by [`Axis::index`], mm.
     pub(super) sent: [f64; AXES],
-    /// 1 for an axis in negative travel, else 0.
+    /// 1 for an axis in negative travel, else 0; with the servo in between while it traverses its lost motion.
     reverse: [f64; AXES],
 }
 
@@ -127,20 +127,23 @@ impl Cut {
     }
 }
 
+/// What a run of the servo adds to the commands of the axes, and how far each is in negative travel, 0 to 1.
+pub(super) type Followed = [[f64; AXES]; 2];
+
 impl Point {
     /// Moves the axes from the commands by what runs of the servo add to them: uncorrected, corrected and everything on. The
     /// runs are those of a cold machine.
-    pub(super) fn follow(&mut self, [uncorrected, corrected, everything]: [[f64; AXES]; 3]) {
+    pub(super) fn follow(&mut self, [uncorrected, corrected, everything]: [Followed; 3]) {
         let command = self.uncorrected.sent;
         let cold = |errors: [f64; AXES]| std::array::from_fn(|axis| command[axis] + errors[axis]);
-        let warm = |errors: [f64; AXES]| {
+        let warm = |[errors, reverse]: Followed| {
             let cold: [f64; AXES] = cold(errors);
-            std::array::from_fn(|axis| cold[axis] + self.growth[axis].correction(cold[axis]))
+            let sent = std::array::from_fn(|axis| cold[axis] + self.growth[axis].correction(cold[axis]));
+            Reached { sent, reverse }
         };
-        let [corrected, everything] = [corrected, everything].map(warm);
-        self.uncorrected.sent = cold(uncorrected);
-        self.everything = Reached { sent: everything, ..self.corrected };
-        self.corrected.sent = corrected;
+        [self.corrected, self.everything] = [corrected, everything].map(warm);
+        let [errors, reverse] = uncorrected;
+        self.uncorrected = Reached { sent: cold(errors), reverse };
     }
 
     /// Error of the point that is cut, in directions of the workpiece's frame, mm; `along`: errors of the axes along themselves.
