@@ -59,9 +59,9 @@ class Row {
     for (const [k, value] of values.entries()) {
       const own = this.cells[k]!;
       own.textContent = typeof value === "string" ? value : value.text;
-      if (typeof value === "string") continue;
-      own.className = "number";
-      own.dataset.value = String(value.value);
+      own.className = typeof value === "string" ? "" : "number";
+      if (typeof value === "string") delete own.dataset.value;
+      else own.dataset.value = String(value.value);
     }
     this.bar.replaceChildren(bar(of, `var(--${colour})`));
   }
