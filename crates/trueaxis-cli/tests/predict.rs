@@ -467,3 +467,59 @@ fn advice_without_what_it_needs_is_refused() {
     let advice = folder.json(&["predict", ".", "part.toml", "--advise", "--json"])["advice"].clone();
     assert_eq!(advice["compared"], serde_json::json!(["laser along X", "square XY"]), "{advice}");
 }
+
+/// The spindle end of X grows by 4 µm/K; the second hole is drilled later and warmer.
+#[test]
+fn a_record_of_temperatures_or_a_thermal_toml_adds_the_growth() {
+    let folder = Folder::new(TRUEAXIS);
+    write(&folder, OTHERS, PROGRAM, PART);
+    let record: String =
+        (0..20).map(|row| format!("{},{}\n", 28_800 + 60 * row, 20.0 + 0.5 * f64::from(row))).collect();
+    folder.write("shift.csv", format!("t_s,T1_c\n{record}"));
+    let call = ["predict", ".", "part.toml", "--thermal", "shift.csv"];
+    folder.bad(&call, &["small", "found no growth of any axis", "thermal.toml beside machine.toml"]);
+    write(&folder, &format!("{OTHERS}[axis.X.thermal]\noffset_um_per_k = 4\n"), PROGRAM, PART);
+    let document = folder.json(&[&call[..], &["--start", "120", "--json"]].concat());
+    assert_eq!(folder.json(&[&call[..], &["--at", "08:02", "--json"]].concat()), document, "the same moment");
+    let temperature = &document["temperature"];
+    assert_eq!((&temperature["record"], &temperature["start_s"]), (&"shift.csv".into(), &120.0.into()));
+    let [first, last] = [0, 1].map(|end| temperature["growth"][0]["growth"][end].as_f64().unwrap());
+    let [from, to] = [0, 1].map(|end| temperature["sensors"][0]["celsius"][end].as_f64().unwrap());
+    assert!((first - 4.0 * (from - 20.0)).abs() < 1e-9 && (last - 4.0 * (to - 20.0)).abs() < 1e-9, "{temperature}");
+    assert!(from > 21.0 && to > from, "{temperature}");
+    // Middles of the strokes against their ends: 0.6 of the difference along X.
+    let uncorrected = um(&document, "uncorrected_um");
+    assert!(uncorrected > 0.3 * (last - first) && uncorrected < 0.6 * (last - first), "{document}");
+    assert!(um(&document, "corrected_um").abs() < 1e-6, "{document}");
+    let text = folder.good(&[&call[..], &["--start", "120"]].concat());
+    for part in
+        ["the program starts 120 s into it", "servo, temperature of the part, tool and process are not included"]
+    {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    folder.bad(&[&call[..], &["--start", "1139"]].concat(), &["shift.csv:21", "needed rows until"]);
+    for (arguments, parts) in [
+        (&["--at", "8:2"][..], &["00:00 to 23:59"][..]),
+        (&["--at", "07:00"], &["shift.csv:21", "a start within the record"]),
+        (&["--at", "08:00", "--start", "5"], &["cannot be used with"]),
+    ] {
+        folder.bad(&[&call[..], arguments].concat(), parts);
+    }
+    folder.bad(&["predict", ".", "part.toml", "--start", "5"], &["--thermal"]);
+
+    // The file beside machine.toml comes before its keys: 8 µm/K, and a part of the same temperature.
+    folder.write(
+        "thermal.toml",
+        "reference_temperature_c = 20\n[[sensor]]\nname = \"T1\"\nknots_c = [10, 40]\n[axis.X]\nuncertainty_um = 0.5\n\
+         [axis.X.sensor.T1]\noffset_um = [-80, 160]\n",
+    );
+    folder.write(
+        "part.toml",
+        format!("{PART}[temperature]\nmachine_c = 21\npart_c = 21\npart_expansion_um_per_m_k = 24\n"),
+    );
+    let document = folder.json(&["predict", ".", "part.toml", "--json"]);
+    assert!((document["temperature"]["growth"][0]["growth"][0].as_f64().unwrap() - 8.0).abs() < 1e-6, "{document}");
+    assert!((um(&document, "corrected_um") + 2.4).abs() < 1e-3, "{document}");
+    let text = folder.good(&["predict", ".", "part.toml"]);
+    assert!(text.contains("servo, tool and process are not included"), "{text}");
+}

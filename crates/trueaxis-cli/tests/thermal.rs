@@ -64,6 +64,10 @@ fn growth_is_found_compiled_and_read_by_the_task() {
     assert!(page.contains("Thermal growth") && page.contains("took no part in the fit"));
     let text = folder.read("thermal.toml");
     assert!(text.contains("[axis.X.sensor.T1]") && text.contains("slope_um_per_m"), "{text}");
+    // The noise of 0.05 µm, against the noise of the row at which the cycle begins.
+    let left =
+        text.lines().find_map(|line| line.strip_prefix("uncertainty_um = ")?.split(' ').next()?.parse::<f64>().ok());
+    assert!((0.02..0.15).contains(&left.unwrap()), "{text}");
 
     folder.good(&["thermal", "compile", "thermal.toml", "--machine", ".", "-o", "mill.ttherm"]);
     let bytes = std::fs::read(folder.join("mill.ttherm")).unwrap();

@@ -24,6 +24,8 @@ pub struct Instrument {
     pub expansion_per_k: Option<f64>,
     /// Environmental variation error of a single reading, mm.
     pub eve: Option<f64>,
+    /// A temperature sensor of the machine, K.
+    pub sensor_k: Option<f64>,
     /// Degrees of freedom of these figures; `None`: well known.
     pub degrees_of_freedom: Option<f64>,
 }
@@ -67,6 +69,8 @@ pub struct AxisUncertainty {
     pub columns: [Option<f64>; 6],
     /// Every point separately, from the columns `…_u_…` of the axis' CSV; these take precedence over `columns`.
     pub points: [Option<Vec<f64>>; 6],
+    /// Growth of the axis that remains unknown when its temperature is known.
+    pub growth: Option<f64>,
     /// Resonance of the drive, Hz.
     pub resonance_hz: Option<f64>,
     /// Damping of that resonance, share of critical.
@@ -92,6 +96,7 @@ impl AxisUncertainty {
             repeatability: None,
             columns: [None; 6],
             points: Default::default(),
+            growth: None,
             resonance_hz: None,
             resonance_damping: None,
             degrees_of_freedom: None,

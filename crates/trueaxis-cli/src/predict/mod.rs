@@ -1,13 +1,16 @@
 //! `trueaxis predict`.
 
+mod servo;
+mod temperature;
+
 use crate::output::{data, json, print, report_line};
 use crate::{model, report};
 use anyhow::Result;
 use clap::Args;
+use servo::ServoArgs;
 use std::path::{Path, PathBuf, absolute};
-use trueaxis_evaluation::predict::{
-    Advice, Options, PartFiles, advise, elsewhere, find, own_task, predict, sections, shapes,
-};
+use temperature::TemperatureArgs;
+use trueaxis_evaluation::predict::{Advice, Options, PartFiles, advise, elsewhere, find, own_task, sections, shapes};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::uncertainty::Uncertainties;
 
@@ -20,12 +23,17 @@ Example:
 pub(crate) const HELP: &str = "\
 The part's file states where the program's zero is in the machine, the lines of the program that cut each feature, and the tolerances:
   name, program, at_mm = [X, Y, Z]
-  [[feature]] with name, kind = circle, hole, line or plane, lines = [first, last]
+  [[feature]] with name, kind = circle, hole, line, plane or flank, lines = [first, last]
+    flank: module_mm, teeth, helix_angle_deg, face_mm; pressure_angle_deg, flank, axis_mm
   [[tolerance]] with feature, kind, and
     limits_um or limits_mm: size, distance (from = another feature)
     width_um or width_mm: position, straightness, flatness, roundness, parallelism,
       perpendicularity, angularity
     datums = [...]: position (up to three); parallelism, perpendicularity, angularity (one)
+    class, or width_um, of a slope limits_um: profile total, form or slope, helix total, form or slope
+  [[setup]], a further one, with name, program, at_mm; zero_mm, turned_deg, uncertainty_um, uncertainty_urad
+  [[tool]] with name, diameter_uncertainty_um, length_uncertainty_um
+    a feature states setup, tool, and side if the diameter is uncertain: inside or outside (circle), left or right (line)
 
 The exact geometry of the machine gives the points that are cut, with lost motion by the direction in which each axis \
 arrives, and with corrections as far as their limits in the machine.toml admit. Features are fitted by least squares. \
@@ -45,6 +53,24 @@ shortest of all sets), with minutes and every characteristic's uncertainty befor
 better place in X and Y; features better cut in the other direction because of lost motion; and characteristics to which the \
 correction gives another verdict. -o writes the task for \
 `trueaxis calibrate plan`.
+
+--thermal adds the growth of the machine at the time at which each point is cut: uncorrected in full, corrected as far as \
+the limits of the axes admit. The growth is that of the thermal.toml beside the machine.toml, by the controller's thermal task, \
+or of [axis.X.thermal] of the machine.toml at the record's first temperature. The times follow from the feeds, by the planner of \
+the simulator. RECORD.csv has one row a reading, as for `trueaxis thermal fit`:
+  t_s: time
+  T1_c … T16_c: sensors, degrees Celsius
+  spindle_rpm, tool_mm: speed of the spindle, length from its nose, as far as thermal.toml needs them
+Without a record, the part's file may state constant temperatures:
+  [temperature] with machine_c; part_c, part_expansion_um_per_m_k and part_u_k (its standard uncertainty): a part \
+cut warm shrinks to 20 °C
+Not known of the growth are the sensors (sensor_k of [uncertainty]), expansion_um_per_m_k, growth_um of \
+[axis.X.uncertainty], or uncertainty_um of an axis in thermal.toml.
+
+--servo runs the simulator's step and drives over the features, each with some moves before it: uncorrected, with the \
+geometric correction, and with everything that the machine.toml configures, feed-forward, friction and contour feedback. The \
+axes are then where the drives bring them; verdicts are those of everything on. The drives are exactly those of [axis.X.drive] \
+and [axis.X.friction], rigid; friction that is not stated is zero.
 
 --find is a start for the part's file, which then needs only name, program and at_mm. It finds full circles, holes, planes \
 milled line by line, and straight lines in the plane of G17, G18 or G19; delete those that are not finished surfaces.
@@ -83,6 +109,10 @@ pub(crate) struct PredictArgs {
     /// Write a page: a folder (predict.html) or a file that ends in .html.
     #[arg(long, value_name = "DIR|FILE")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    temperature: TemperatureArgs,
+    #[command(flatten)]
+    servo: ServoArgs,
 }
 
 pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
@@ -97,14 +127,16 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     let setups = part.setups.iter().map(|setup| arguments.part.with_file_name(&setup.file));
     let inputs = model::files(&arguments.machine).into_iter().chain([arguments.part.clone(), path]);
     let inputs = inputs.chain(setups).chain(tasks);
+    let inputs = inputs.chain(arguments.temperature.inputs(&part, &arguments.machine));
     let mut outputs = Outputs::of(inputs);
     if let Some(to) = &arguments.output {
         outputs.refuse_input(to)?;
     }
     let machine = model::source(&arguments.machine)?;
     let stated = Uncertainties::read(&arguments.machine)?;
+    let part = arguments.temperature.apply(part, &machine, &arguments.machine)?;
     let options = Options { trials: arguments.trials, seed: arguments.seed };
-    let mut document = predict(&machine, &stated, &program, &part, options)?;
+    let mut document = arguments.servo.predict((&machine, &stated), &program, &part, options)?;
     if arguments.advise {
         let read = |name: &str| own_task(&arguments.part, name, &arguments.machine);
         let mut advice = advise(&machine, &stated, &program, &part, &document, &read)?;

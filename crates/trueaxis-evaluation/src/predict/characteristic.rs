@@ -69,6 +69,7 @@ pub(super) fn value(tolerance: &Tolerance, nominal: &[Nominal], fitted: &[Fitted
         Characteristic::Size => is.diameter - 2.0 * was.size,
         Characteristic::Roundness | Characteristic::Straightness | Characteristic::Flatness => is.form,
         Characteristic::Distance => distance(nominal, fitted, [datum, own]),
+        Characteristic::Flank(of) => was.flank.as_ref().map_or(f64::NAN, |traces| traces.value(of, &points[own])),
         Characteristic::Position => {
             let aligned = Alignment::to(&tolerance.datums, nominal, fitted).of(is.centre, was.centre);
             2.0 * (aligned - was.centre).reject_from_normalized(was.normal).length()
@@ -127,7 +128,9 @@ impl Alignment {
             let lever = was.centre - about;
             let mut place = |along: DVec3| row(along, lever.cross(along), (was.centre - is.centre).dot(along));
             match was.kind {
-                FeatureKind::Circle | FeatureKind::Hole => [was.along, was.across()].into_iter().for_each(&mut place),
+                FeatureKind::Circle | FeatureKind::Hole | FeatureKind::Flank => {
+                    [was.along, was.across()].into_iter().for_each(&mut place)
+                }
                 FeatureKind::Line | FeatureKind::Plane => {
                     let facing = was.facing();
                     place(facing);

@@ -1,8 +1,10 @@
 //! The points of a part's features, with the axes where the drives bring them while cutting.
 
 use super::fixture::Side;
+use super::gear::GearFlank;
 use super::locate::{self, Circle, length, turn};
 use super::part::{Feature, FeatureKind, Part};
+use super::temperature::{Lines, Warm};
 use crate::compensate::{self, Model, NoCorrection, Settings, with_model};
 use crate::positions::{Travel, in_order};
 use crate::uncertainty::terms::Along;
@@ -34,8 +36,14 @@ pub(super) struct Point {
     pub(super) nominal: DVec3,
     pub(super) uncorrected: Reached,
     pub(super) corrected: Reached,
+    /// With the servo, and everything that the machine configures against its error; as `corrected` without it.
+    everything: Reached,
     /// Programmed point from the origin of the workpiece's frame, mm.
     ideal: DVec3,
+    /// Move of the program, and parameter on its curve.
+    pub(super) place: (usize, f64),
+    /// Growth of the axes when it is cut.
+    growth: Lines,
     /// Direction from the tip of the tool to the spindle.
     pub(super) pointing: DVec3,
 }
@@ -54,6 +62,7 @@ pub(super) struct Reached {
 pub(super) enum State {
     Uncorrected,
     Corrected,
+    Everything,
 }
 
 /// A feature in the program.
@@ -72,6 +81,7 @@ pub(super) struct Cut {
     pub(super) to_part: DMat3,
     pub(super) tool: Option<usize>,
     pub(super) side: Option<Side>,
+    pub(super) gear: Option<GearFlank>,
 }
 
 impl Cut {
@@ -96,14 +106,32 @@ impl Cut {
         self.to_part = to_part;
     }
 
-    /// Whether a move is a chord of this circle, of which only the end is on it.
+    /// Whether only the end of a move is on the feature: a chord of a circle, a step over a flank.
     fn is_chord(&self, step: &Move) -> bool {
         let is_straight = step.tool_center || step.turn.change == [0.0; 3];
-        self.kind == FeatureKind::Circle && self.circle.is_none() && is_straight
+        match self.kind {
+            FeatureKind::Circle => self.circle.is_none() && is_straight,
+            kind => kind == FeatureKind::Flank,
+        }
     }
 }
 
 impl Point {
+    /// Moves the axes from the commands by what runs of the servo add to them: uncorrected, corrected and everything on. The
+    /// runs are those of a cold machine.
+    pub(super) fn follow(&mut self, [uncorrected, corrected, everything]: [[f64; AXES]; 3]) {
+        let command = self.uncorrected.sent;
+        let cold = |errors: [f64; AXES]| std::array::from_fn(|axis| command[axis] + errors[axis]);
+        let warm = |errors: [f64; AXES]| {
+            let cold: [f64; AXES] = cold(errors);
+            std::array::from_fn(|axis| cold[axis] + self.growth[axis].correction(cold[axis]))
+        };
+        let [corrected, everything] = [corrected, everything].map(warm);
+        self.uncorrected.sent = cold(uncorrected);
+        self.everything = Reached { sent: everything, ..self.corrected };
+        self.corrected.sent = corrected;
+    }
+
     /// Error of the point that is cut, in directions of the workpiece's frame, mm; `along`: errors of the axes along themselves.
     pub(super) fn error<'a>(
         &self,
@@ -112,12 +140,17 @@ impl Point {
         state: State,
         along: impl Iterator<Item = &'a Along>,
     ) -> DVec3 {
-        let reached = if state == State::Corrected { &self.corrected } else { &self.uncorrected };
+        let reached = match state {
+            State::Uncorrected => &self.uncorrected,
+            State::Corrected => &self.corrected,
+            State::Everything => &self.everything,
+        };
         let mut sent = reached.sent;
         for one in along {
             let index = one.axis.index();
             sent[index] += one.moves(reached.sent[index], reached.reverse[index]);
         }
+        sent.iter_mut().zip(reached.sent).zip(&self.growth).for_each(|((to, at), growth)| *to += growth.at(at));
         let slots = |by_axis| in_order(machine.settings.axes.iter().map(|own| own.axis), by_axis);
         let tip = DVec3::from(geometry.actual_pose(&slots(&sent), &slots(&reached.reverse)).tip_mm);
         tip - self.ideal
@@ -130,7 +163,12 @@ impl Point {
 /// # Errors
 /// A machine without X, Y or Z, or without a rotary axis that the program turns; a program that leaves the travel; features
 /// that its lines do not cut.
-pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Result<(Vec<Cut>, Clipped)> {
+pub(super) fn features(
+    machine: &Machine,
+    program: &Program,
+    part: &Part,
+    warm: Option<&Warm<'_>>,
+) -> Result<(Vec<Cut>, Clipped)> {
     has_linear(machine)?;
     let mut clipped = Clipped::default();
     let mut cuts: Vec<Option<Cut>> = vec![None; part.features.len()];
@@ -147,7 +185,7 @@ pub(super) fn features(machine: &Machine, program: &Program, part: &Part) -> Res
                 .into());
         }
         let program = part.program_of(setup, program);
-        let of_setup = in_setup(machine, program, part, &features, &placement, &mut clipped)?;
+        let of_setup = in_setup(machine, program, part, &features, (&placement, warm), &mut clipped)?;
         for (index, mut cut) in indices.into_iter().zip(of_setup) {
             if let Some(held) = held {
                 cut.place(held.to_part(), DVec3::from(held.zero_mm));
@@ -164,7 +202,7 @@ fn in_setup(
     program: &Program,
     part: &Part,
     features: &[&Feature],
-    placement: &Placement,
+    (placement, warm): (&Placement, Option<&Warm<'_>>),
     clipped: &mut Clipped,
 ) -> Result<Vec<Cut>> {
     program.check_axes(&machine.settings)?;
@@ -182,11 +220,15 @@ fn in_setup(
             for u in if is_chord { vec![step.curve.domain().1] } else { parameters(step, spacing, placement) } {
                 let command = placement.axes(step, u);
                 within_travel(machine, program, step, &command)?;
-                let ([uncorrected, corrected], wanted) = drives.reach(command)?;
+                let place = (index, u);
+                let growth = warm.map(|warm| warm.at(place)).unwrap_or_default();
+                let ([uncorrected, corrected], wanted) = drives.reach(command, &growth)?;
                 if is_feature {
                     clipped.add(&machine.settings, &command, &wanted);
                     let Place { tip: ideal, direction: pointing } = placement.place_of(&command);
-                    let point = Point { nominal: ideal - placement.zero(), uncorrected, corrected, ideal, pointing };
+                    let nominal = ideal - placement.zero();
+                    let everything = corrected;
+                    let point = Point { nominal, uncorrected, corrected, everything, ideal, place, growth, pointing };
                     cuts.iter_mut().filter(|cut| used(cut)).for_each(|cut| cut.points.push(point.clone()));
                 }
             }
@@ -268,12 +310,16 @@ impl<'m> Drives<'m> {
     }
 
     /// Positions and directions, without and with correction, and the correction without its limits.
-    fn reach(&mut self, command: [f64; AXES]) -> Result<([Reached; 2], [f64; AXES])> {
+    fn reach(&mut self, command: [f64; AXES], growth: &Lines) -> Result<([Reached; 2], [f64; AXES])> {
         let reverse = |all: [Direction; AXES]| all.map(|one| if one == Direction::POSITIVE { 0.0 } else { 1.0 });
         let directions = self.uncorrected.arrive(&command, |_| Ok::<_, NoCorrection>([0.0; AXES]))?;
         let uncorrected = Reached { sent: command, reverse: reverse(directions) };
         let (model, most) = (self.model, self.most);
-        let wanted = |&directions: &[Direction; AXES]| model.correction(&compensate::Place { command, directions });
+        let wanted = |&directions: &[Direction; AXES]| {
+            let cold = model.correction(&compensate::Place { command, directions })?;
+            let whole = |index: usize| cold[index] + growth[index].correction(command[index] + cold[index]);
+            Ok::<_, NoCorrection>(std::array::from_fn(whole))
+        };
         let limited = |wanted: [f64; AXES]| std::array::from_fn(|index| wanted[index].clamp(-most[index], most[index]));
         let directions = self.corrected.arrive(&command, |directions| wanted(directions).map(limited))?;
         let wanted = wanted(&directions)?;

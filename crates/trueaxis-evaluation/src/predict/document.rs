@@ -2,6 +2,8 @@
 
 use super::Options;
 use super::advise::document::Advice;
+use super::servo::ServoDocument;
+use super::temperature::TemperatureDocument;
 use super::unknowns::Model;
 use super::verdict::verdict_of;
 use serde::Serialize;
@@ -31,6 +33,12 @@ pub struct PredictDocument {
     pub seed: u64,
     /// A toleranced characteristic each, in the order of the part.
     pub features: Vec<Predicted>,
+    /// Temperatures while the part is cut, where they are known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<TemperatureDocument>,
+    /// The runs of the servo; `uncorrected_um` and `corrected_um` include its error then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo: Option<ServoDocument>,
     /// Keys of the machine that are not stated; their uncertainty counts as zero.
     pub not_stated: Vec<String>,
     /// Remarks: on the machine's uncertainties, and on limits that reduce its correction.
@@ -53,6 +61,9 @@ pub struct Predicted {
     pub uncorrected_um: f64,
     /// Predicted value with the machine's correction.
     pub corrected_um: f64,
+    /// Predicted value with the servo and all that the machine configures against its error; absent without a run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub everything_um: Option<f64>,
     /// Least and greatest value that the tolerance permits; a zone has no least.
     pub limits_um: [Option<f64>; 2],
     /// What the uncertainties of the machine allow to say; absent if it states none.
@@ -98,28 +109,28 @@ pub(super) struct Outcome {
 }
 
 impl PredictDocument {
-    /// `values`: of all tolerances, uncorrected and corrected, mm; `outcomes` is empty without uncertainties.
+    /// Values of all tolerances uncorrected, corrected and with everything on, mm; `outcomes` is empty without uncertainties.
     pub(super) fn new(
         model: &Model<'_>,
         program: &Program,
         Options { trials, seed }: Options,
-        [uncorrected, corrected]: [&[f64]; 2],
+        ([uncorrected, corrected, everything], servo): ([&[f64]; 3], Option<ServoDocument>),
         outcomes: Vec<Outcome>,
     ) -> PredictDocument {
         let part = model.part;
         let name = |index: usize| part.features[index].name.clone();
         let names: Vec<&str> = model.terms.all.iter().map(|term| term.name.as_str()).collect();
         let mut outcomes = outcomes.into_iter();
-        let features =
-            part.tolerances.iter().zip(uncorrected.iter().zip(corrected)).map(|(of, (without, with))| Predicted {
-                feature: name(of.feature),
-                kind: of.characteristic.name(),
-                datums: of.datums.iter().copied().map(name).collect(),
-                uncorrected_um: 1e3 * without,
-                corrected_um: 1e3 * with,
-                limits_um: of.limits.map(|mm| mm.is_finite().then_some(1e3 * mm)),
-                known: outcomes.next().map(|outcome| outcome.known(of.limits, &names)),
-            });
+        let features = part.tolerances.iter().enumerate().map(|(index, of)| Predicted {
+            feature: name(of.feature),
+            kind: of.characteristic.name(),
+            datums: of.datums.iter().copied().map(name).collect(),
+            uncorrected_um: 1e3 * uncorrected[index],
+            corrected_um: 1e3 * corrected[index],
+            everything_um: servo.as_ref().map(|_| 1e3 * everything[index]),
+            limits_um: of.limits.map(|mm| mm.is_finite().then_some(1e3 * mm)),
+            known: outcomes.next().map(|outcome| outcome.known(of.limits, &names)),
+        });
         PredictDocument {
             part: part.name.clone(),
             program: program.name.clone(),
@@ -129,6 +140,8 @@ impl PredictDocument {
             trials,
             seed,
             features: features.collect(),
+            temperature: None,
+            servo: servo.clone(),
             not_stated: model.terms.not_stated.clone(),
             warnings: model.terms.warnings.clone(),
             advice: None,

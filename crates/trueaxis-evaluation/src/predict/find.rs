@@ -27,7 +27,7 @@ pub fn find(program: &Program) -> Vec<Feature> {
         if !features.iter().any(again) {
             let number = 1 + features.iter().filter(|own| own.kind == kind).count();
             let name = format!("{} {number}", kind.name());
-            features.push(Feature { name, kind, lines, setup: None, tool: None, side: None, line: 0 });
+            features.push(Feature { name, kind, lines, setup: None, tool: None, side: None, gear: None, line: 0 });
         }
     }
     features

@@ -1,6 +1,7 @@
 //! Least-squares features through the points that are cut (ISO 14405-1, ISO 12180 to 12781: association by least squares).
 
 use super::cut::Cut;
+use super::gear::Traces;
 use super::locate::{Circle, NEAR, circle_through};
 use super::part::FeatureKind;
 use anyhow::{Result, anyhow};
@@ -11,7 +12,7 @@ use trueaxis_metrology::circles::least_squares;
 const FEWEST: usize = 4;
 
 /// Directions and place of a feature as programmed.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Nominal {
     pub(super) kind: FeatureKind,
     /// Centre of a circle or hole, middle of the points of a line or plane.
@@ -22,6 +23,8 @@ pub(super) struct Nominal {
     pub(super) along: DVec3,
     /// Radius of a circle; of a line or plane half of its extent, mm.
     pub(super) size: f64,
+    /// What is evaluated on a gear's flank.
+    pub(super) flank: Option<Traces>,
 }
 
 impl Nominal {
@@ -51,7 +54,7 @@ impl Nominal {
         let from_line = |point: &DVec3| (*point - middle).reject_from_normalized(along);
         let widest =
             points.iter().map(from_line).max_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or(DVec3::ZERO);
-        let mut nominal = Nominal { kind: cut.kind, centre: middle, normal: cut.normal, along, size };
+        let mut nominal = Nominal { kind: cut.kind, centre: middle, normal: cut.normal, along, size, flank: None };
         match cut.kind {
             FeatureKind::Circle => {
                 let refused = "arcs of one circle, or chords with their ends on one";
@@ -74,6 +77,10 @@ impl Nominal {
                     return Err("one hole");
                 }
                 nominal.along = cut.normal.any_orthonormal_vector();
+            }
+            FeatureKind::Flank => {
+                let gear = cut.gear.as_ref().ok_or("a gear")?;
+                nominal.flank = Some(Traces::of(gear, &points)?);
             }
             FeatureKind::Line => {
                 if widest.length() > NEAR || size <= NEAR {
@@ -112,7 +119,7 @@ impl Nominal {
         let mut fitted =
             Fitted { centre: self.centre + to_part(mean), facing: self.facing(), diameter: 0.0, form: 0.0 };
         match self.kind {
-            FeatureKind::Hole => {}
+            FeatureKind::Hole | FeatureKind::Flank => {}
             FeatureKind::Circle => {
                 let flat: Vec<[f64; 2]> = local.iter().map(|point| [point.x, point.y]).collect();
                 let circle = least_squares(&flat).map_err(|error| anyhow!("{error}"))?;

@@ -114,7 +114,8 @@ impl Live {
         };
         let outcomes = if draws.is_empty() { Vec::new() } else { (0..values[1].len()).map(outcome).collect() };
         let options = Options { trials: CHECKED, seed: *seed };
-        let document = PredictDocument::new(&model, program, options, [&values[0], &values[1]], outcomes);
+        let document =
+            PredictDocument::new(&model, program, options, ([&values[0], &values[1], &values[1]], None), outcomes);
         let shapes = drawn(&model, [&uncorrected, &corrected], &document);
         Ok(There { document, shapes })
     }

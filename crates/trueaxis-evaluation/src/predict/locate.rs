@@ -149,13 +149,13 @@ pub(super) fn found(program: &Program, part: &Part, feature: &Feature, placement
                     return Err(refuse(step, "motion across the hole", needed));
                 }
             }
-            (FeatureKind::Hole | FeatureKind::Line, Curve::Arc { .. } | Curve::Nurbs { .. }) => {
+            (FeatureKind::Hole | FeatureKind::Line | FeatureKind::Flank, Curve::Arc { .. } | Curve::Nurbs { .. }) => {
                 return Err(refuse(step, "an arc or curve", "straight lines"));
             }
-            (FeatureKind::Line | FeatureKind::Plane, _) => {}
+            (FeatureKind::Line | FeatureKind::Plane | FeatureKind::Flank, _) => {}
         }
     }
     let (kind, moves, points) = (feature.kind, [*first, *last], Vec::new());
-    let Feature { setup, tool, side, .. } = *feature;
-    Ok(Cut { kind, points, moves, normal, circle, setup, to_part: DMat3::IDENTITY, tool, side })
+    let Feature { setup, tool, side, gear, .. } = *feature;
+    Ok(Cut { kind, points, moves, normal, circle, setup, to_part: DMat3::IDENTITY, tool, side, gear })
 }

@@ -15,7 +15,8 @@
 //! the derivatives. 200 of them are also cut by exact transforms and fitted again. Where the two differ, as for the width of
 //! a zone, which cannot fall below zero, all draws are cut that way in place of the derivatives.
 //!
-//! The result excludes the servo, the temperature, the tool and the process.
+//! [`temperature`] adds the growth of machine and part where temperatures are known; with runs of [`servo`] the axes are where
+//! the drives bring them. The result excludes the process.
 //!
 //! Sources: JCGM 101:2008, clause 7; ISO 14253-1:2017, clause 5; ISO 1101:2017 (zones); ISO 5459:2011 (datums).
 
@@ -26,13 +27,17 @@ mod document;
 mod find;
 mod fit;
 mod fixture;
+mod gear;
 mod inputs;
 mod live;
 mod locate;
 mod part;
 mod room;
+mod servo;
 mod shape;
 mod shown;
+mod temperature;
+mod times;
 mod unknowns;
 mod used;
 mod verdict;
@@ -44,17 +49,25 @@ pub use advise::{
 pub use document::{Contribution, Known, PredictDocument, Predicted};
 pub use find::{find, sections};
 pub use fixture::{Setup, Side, Tool};
+pub use gear::{FlankDeviation, GearFlank};
 pub use inputs::{PartFiles, own_task};
 pub use live::{Live, There};
 pub use part::{Characteristic, Feature, FeatureKind, Part, Tolerance};
+pub use servo::ServoDocument;
 pub use shape::{Shape, shapes};
+pub use temperature::{
+    AxisGrowth, Expansion, Growth, GrowthModel, PartTemperature, SensorTemperature, Start, TEMPERATURES,
+    TemperatureDocument, TemperatureRecord,
+};
 
 use crate::uncertainty::terms::Terms;
 use anyhow::{Result, bail};
-use cut::{Cut, State};
+use cut::{Cut, Point, State};
 use document::Outcome;
 use fit::Nominal;
 use fixture::Moves;
+use std::cmp::Ordering;
+use temperature::Warm;
 use trueaxis_metrology::cores::*;
 use trueaxis_sim::program::{Program, ProgramError};
 use trueaxis_tables::Machine;
@@ -100,15 +113,51 @@ pub fn predict(
     part: &Part,
     options: Options,
 ) -> Result<PredictDocument> {
+    predicted((machine, stated), program, part, options, None)
+}
+
+/// As [`predict`], with the servo: runs of the simulator at a servo rate, Hz, bring the axes where the drives do. Verdicts and
+/// uncertainties are those of everything on. `on_progress` gets the cycles done and all cycles.
+///
+/// # Errors
+/// As [`predict`]; a moving axis without figures of its drive; a program or machine that the simulator refuses.
+pub fn predict_with_servo(
+    (machine, stated): (&Machine, &Uncertainties),
+    program: &Program,
+    part: &Part,
+    options: Options,
+    rate_hz: f64,
+    on_progress: &mut dyn FnMut(u64, u64),
+) -> Result<PredictDocument> {
+    predicted((machine, stated), program, part, options, Some((rate_hz, on_progress)))
+}
+
+/// Servo rate, Hz, and what is told about the progress of the runs.
+type Servo<'s> = (f64, &'s mut dyn FnMut(u64, u64));
+
+fn predicted(
+    (machine, stated): (&Machine, &Uncertainties),
+    program: &Program,
+    part: &Part,
+    options: Options,
+    servo: Option<Servo<'_>>,
+) -> Result<PredictDocument> {
     if !(CHECKED..=MOST_TRIALS).contains(&options.trials) {
         bail!("trials: found {}, needed {CHECKED} to {MOST_TRIALS}", options.trials);
     }
-    let prepared = Prepared::new(machine, stated, program, part)?;
+    let mut prepared = Prepared::new(machine, stated, program, part)?;
+    let follow =
+        |(rate_hz, on_progress)| servo::follow((machine, program, part), &mut prepared.cuts, rate_hz, on_progress);
+    let servo = servo.map(follow).transpose()?;
     let model = prepared.model(machine, part);
     let nothing = model.nothing();
-    let [uncorrected, corrected] = [model.cut(&nothing, State::Uncorrected)?, model.cut(&nothing, State::Corrected)?];
-    let outcomes = if model.terms.all.is_empty() { Vec::new() } else { outcomes(&model, &corrected, options)? };
-    Ok(PredictDocument::new(&model, program, options, [&uncorrected, &corrected], outcomes))
+    let cut = |state: State| model.cut(&nothing, state);
+    let [uncorrected, corrected] = [cut(State::Uncorrected)?, cut(State::Corrected)?];
+    let everything = cut(State::Everything)?;
+    let outcomes = if model.terms.all.is_empty() { Vec::new() } else { outcomes(&model, &everything, options)? };
+    let values = [&uncorrected[..], &corrected, &everything];
+    let document = PredictDocument::new(&model, program, options, (values, servo), outcomes);
+    Ok(PredictDocument { temperature: prepared.temperature, ..document })
 }
 
 /// The features of a part on a machine, and what is not known of it.
@@ -117,6 +166,7 @@ struct Prepared {
     nominal: Vec<Nominal>,
     terms: Terms,
     moves: Vec<Moves>,
+    temperature: Option<TemperatureDocument>,
 }
 
 impl Prepared {
@@ -126,12 +176,19 @@ impl Prepared {
         if part.tolerances.is_empty() {
             bail!("{}: key tolerance: found nothing, needed at least one section [[tolerance]]", part.file.display());
         }
-        let (cuts, clipped) = cut::features(machine, program, part)?;
+        let growth = part.growth_on(machine)?;
+        if let Some(setup) = part.setups.first().filter(|_| growth.as_ref().is_some_and(|of| of.is_recorded())) {
+            let found = format!("the set-up {}, a program of its own, with a record of temperatures", setup.name);
+            return Err(part.wrong(setup.line, found, "constant temperatures, machine_c, for several set-ups").into());
+        }
+        let warm = growth.as_deref().map(|growth| Warm::new(growth, (machine, part.at_mm), program)).transpose()?;
+        let (cuts, clipped) = cut::features(machine, program, part, warm.as_ref())?;
         let nominal = nominal(program, part, &cuts)?;
         characteristic::check(part, &nominal)?;
         datums_first(part, &cuts)?;
         let mut terms = Terms::stated(machine, stated);
         terms.warnings.extend(clipped.notes(&machine.settings, "point"));
+        let temperature = temperature_of(&mut terms, (machine, stated), (part, &cuts), warm.as_ref())?;
         let mut moves = Vec::new();
         // Set-ups and tools alone allow no verdict on a machine of which nothing is known.
         if !terms.all.is_empty() {
@@ -139,12 +196,29 @@ impl Prepared {
             moves = held;
             terms.all.extend(of_part);
         }
-        Ok(Prepared { cuts, nominal, terms, moves })
+        Ok(Prepared { cuts, nominal, terms, moves, temperature })
     }
 
     fn model<'m>(&'m self, machine: &'m Machine, part: &'m Part) -> Model<'m> {
         Model { machine, part, cuts: &self.cuts, nominal: &self.nominal, terms: &self.terms, moves: &self.moves }
     }
+}
+
+/// Adds what is not known of the temperatures to the terms; the temperatures as a document.
+fn temperature_of(
+    terms: &mut Terms,
+    known: (&Machine, &Uncertainties),
+    (part, cuts): (&Part, &[Cut]),
+    warm: Option<&Warm<'_>>,
+) -> Result<Option<TemperatureDocument>> {
+    let points = || cuts.iter().flat_map(|cut| &cut.points);
+    let span = warm.map(|warm| warm.span(points().map(|point| point.place))).transpose()?;
+    let growth = warm.map(|warm| warm.growth).zip(span);
+    temperature::add_terms(terms, known, growth, part.temperature.part.as_ref());
+    let by_place = |one: &&Point, other: &&Point| one.place.partial_cmp(&other.place).unwrap_or(Ordering::Equal);
+    let ends = [points().min_by(by_place), points().max_by(by_place)];
+    let at = ends.map(|point| point.map_or_else(Default::default, |point| point.uncorrected.sent));
+    Ok(temperature::document(growth, &part.temperature, at))
 }
 
 fn nominal(program: &Program, part: &Part, cuts: &[Cut]) -> Result<Vec<Nominal>> {
@@ -182,8 +256,8 @@ struct Response {
 }
 
 fn response(model: &Model<'_>, unknown: &Unknown, at_zero: &[f64]) -> Result<Response> {
-    let up = model.cut(&model.alone(unknown, 1.0), State::Corrected)?;
-    let down = model.cut(&model.alone(unknown, -1.0), State::Corrected)?;
+    let up = model.cut(&model.alone(unknown, 1.0), State::Everything)?;
+    let down = model.cut(&model.alone(unknown, -1.0), State::Everything)?;
     let (mut derivatives, mut contributions) = (Vec::new(), Vec::new());
     for ((up, down), zero) in up.iter().zip(&down).zip(at_zero) {
         let [more, less] = [up - zero, down - zero];
@@ -213,7 +287,7 @@ fn outcomes(model: &Model<'_>, at_zero: &[f64], Options { trials, seed }: Option
     };
     let by_derivatives: Vec<Vec<f64>> = (0..trials).into_par_iter().map(linear).collect();
     let exact = |numbers: std::ops::Range<u64>| {
-        let cut = |number| model.cut(&model.draw(seed, number), State::Corrected);
+        let cut = |number| model.cut(&model.draw(seed, number), State::Everything);
         numbers.into_par_iter().map(cut).collect::<Result<Vec<_>>>()
     };
     let mut cut = exact(0..CHECKED)?;

@@ -2,11 +2,14 @@
 
 use super::advise::instrument::{Instrument, Touching, read_instrument, read_probe};
 use super::fixture::{Setup, Side, Tool, named};
+use super::gear::{self, FlankDeviation, GearFlank};
+use super::temperature::{Growth, GrowthModel, PartTemperature, read_temperature};
 use crate::calibrate::ranges::number;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use trueaxis_sim::program::Program;
 use trueaxis_tables::error::FileError;
-use trueaxis_tables::{KeyValue, Section, read_toml};
+use trueaxis_tables::{KeyValue, Machine, Section, read_toml};
 
 /// Kind of a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +22,8 @@ pub enum FeatureKind {
     Line,
     /// A surface cut by moves in one plane.
     Plane,
+    /// A flank of a helical gear, cut point by point over a grid.
+    Flank,
 }
 
 impl FeatureKind {
@@ -29,6 +34,7 @@ impl FeatureKind {
             FeatureKind::Hole => "hole",
             FeatureKind::Line => "line",
             FeatureKind::Plane => "plane",
+            FeatureKind::Flank => "flank",
         }
     }
 }
@@ -48,6 +54,8 @@ pub struct Feature {
     pub tool: Option<usize>,
     /// Where the tool or the material is.
     pub side: Option<Side>,
+    /// The gear of a flank.
+    pub gear: Option<GearFlank>,
     /// Line in the file.
     pub line: u32,
 }
@@ -73,11 +81,13 @@ pub enum Characteristic {
     Perpendicularity,
     /// Width of the zone at the programmed angle to the datum.
     Angularity,
+    /// A deviation of a gear's flank.
+    Flank(FlankDeviation),
 }
 
 impl Characteristic {
     /// All of them with their names in a file.
-    pub const NAMES: [(&'static str, Characteristic); 9] = [
+    pub const NAMES: [(&'static str, Characteristic); 15] = [
         ("size", Characteristic::Size),
         ("distance", Characteristic::Distance),
         ("position", Characteristic::Position),
@@ -87,6 +97,12 @@ impl Characteristic {
         ("parallelism", Characteristic::Parallelism),
         ("perpendicularity", Characteristic::Perpendicularity),
         ("angularity", Characteristic::Angularity),
+        ("profile total", Characteristic::Flank(FlankDeviation::ProfileTotal)),
+        ("profile form", Characteristic::Flank(FlankDeviation::ProfileForm)),
+        ("profile slope", Characteristic::Flank(FlankDeviation::ProfileSlope)),
+        ("helix total", Characteristic::Flank(FlankDeviation::HelixTotal)),
+        ("helix form", Characteristic::Flank(FlankDeviation::HelixForm)),
+        ("helix slope", Characteristic::Flank(FlankDeviation::HelixSlope)),
     ];
 
     /// Name in a file.
@@ -96,12 +112,16 @@ impl Characteristic {
 
     /// Whether two limits of a deviation are stated, not the width of a zone.
     pub fn has_limits(self) -> bool {
-        matches!(self, Characteristic::Size | Characteristic::Distance)
+        match self {
+            Characteristic::Size | Characteristic::Distance => true,
+            Characteristic::Flank(deviation) => deviation.is_slope(),
+            _ => false,
+        }
     }
 
     /// Kinds of features that have it.
     fn kinds(self) -> &'static [FeatureKind] {
-        use FeatureKind::{Circle, Hole, Line, Plane};
+        use FeatureKind::{Circle, Flank, Hole, Line, Plane};
         match self {
             Characteristic::Size | Characteristic::Roundness => &[Circle],
             Characteristic::Position => &[Circle, Hole],
@@ -111,6 +131,7 @@ impl Characteristic {
                 &[Line, Plane]
             }
             Characteristic::Distance => &[Circle, Hole, Line, Plane],
+            Characteristic::Flank(_) => &[Flank],
         }
     }
 
@@ -121,7 +142,8 @@ impl Characteristic {
             Characteristic::Size
             | Characteristic::Roundness
             | Characteristic::Straightness
-            | Characteristic::Flatness => [0, 0],
+            | Characteristic::Flatness
+            | Characteristic::Flank(_) => [0, 0],
             _ => [1, 1],
         }
     }
@@ -165,6 +187,11 @@ pub struct Part {
     pub instruments: Vec<Instrument>,
     /// The probe.
     pub probe: Touching,
+    /// Temperatures while it is cut.
+    pub temperature: PartTemperature,
+    /// Growth of the machine while it is cut, by a record or a thermal.toml; otherwise from `temperature.machine_c` and
+    /// `[axis.X.thermal]` of the machine.
+    pub growth: Option<Growth>,
 }
 
 /// Most features, and most tolerances.
@@ -201,9 +228,43 @@ impl Part {
                 tolerances.into_iter().map(|one| read_tolerance(one, &features)).collect::<Result<_, _>>()?;
             let instruments = all(&root, "instrument")?.into_iter().map(read_instrument).collect::<Result<_, _>>()?;
             let probe = root.section("probe")?.map_or_else(|| Ok(Touching::default()), read_probe)?;
+            let temperature = root.section("temperature")?;
+            let temperature = temperature.map_or_else(|| Ok(PartTemperature::default()), read_temperature)?;
             root.finish(None)?;
-            let (file, at_mm) = (file.into(), at.value);
-            Ok(Part { file, name, program, at_mm, setups, tools, features, tolerances, instruments, probe })
+            let (file, at_mm, growth) = (file.into(), at.value, None);
+            Ok(Part {
+                file,
+                name,
+                program,
+                at_mm,
+                setups,
+                tools,
+                features,
+                tolerances,
+                instruments,
+                probe,
+                temperature,
+                growth,
+            })
+        })
+    }
+
+    /// The part cut on a machine of constant temperature, °C, in place of the temperature or record that it had.
+    ///
+    /// # Errors
+    /// As [`Growth::constant`].
+    pub fn at_temperature(self, model: GrowthModel, machine_c: f64) -> anyhow::Result<Part> {
+        let growth = Some(Growth::constant(model, machine_c)?);
+        let temperature = PartTemperature { machine_c: Some(machine_c), ..self.temperature };
+        Ok(Part { temperature, growth, ..self })
+    }
+
+    /// Growth of the machine while the part is cut.
+    pub(super) fn growth_on(&self, machine: &Machine) -> anyhow::Result<Option<Cow<'_, Growth>>> {
+        Ok(match (&self.growth, self.temperature.machine_c) {
+            (Some(growth), _) => Some(Cow::Borrowed(growth)),
+            (None, Some(celsius)) => Some(Cow::Owned(Growth::constant(GrowthModel::of(machine, None)?, celsius)?)),
+            (None, None) => None,
         })
     }
 
@@ -243,9 +304,9 @@ fn all<'a>(root: &Section<'a>, key: &str) -> Result<Vec<Section<'a>>, FileError>
 fn read_feature(section: Section<'_>, setups: &[Setup], tools: &[Tool]) -> Result<Feature, FileError> {
     let line = section.first_line();
     let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
-    let kinds = [FeatureKind::Circle, FeatureKind::Hole, FeatureKind::Line, FeatureKind::Plane];
-    let kind = section.choice("kind", kinds.map(|kind| (kind.name(), kind)))?;
-    let words = "\"circle\", \"hole\", \"line\" or \"plane\"";
+    use FeatureKind::{Circle, Flank, Hole, Line, Plane};
+    let kind = section.choice("kind", [Circle, Hole, Line, Plane, Flank].map(|kind| (kind.name(), kind)))?;
+    let words = "\"circle\", \"hole\", \"line\", \"plane\" or \"flank\"";
     let kind = kind.ok_or_else(|| section.missing_here("kind", words))?;
     let lines = section.numbers::<2>("lines")?;
     let lines = lines.ok_or_else(|| section.missing_here("lines", "its first and last line of the program"))?;
@@ -257,6 +318,7 @@ fn read_feature(section: Section<'_>, setups: &[Setup], tools: &[Tool]) -> Resul
     let tool = named(&section, "tool", "tool", tools.iter().map(|own| own.name.as_str()))?;
     let tool = tool.or((tools.len() == 1).then_some(0));
     let side = Side::read(&section, kind)?;
+    let gear = if kind == Flank { Some(GearFlank::read(&section)?) } else { None };
     let has_side = matches!(kind, FeatureKind::Circle | FeatureKind::Line);
     if has_side && side.is_none() && tool.is_some_and(|tool| tools[tool].radius > 0.0) {
         let words = if kind == FeatureKind::Circle {
@@ -267,7 +329,7 @@ fn read_feature(section: Section<'_>, setups: &[Setup], tools: &[Tool]) -> Resul
         return Err(section.missing_here("side", words));
     }
     section.finish(None)?;
-    Ok(Feature { name, kind, lines: [from as u32, to as u32], setup, tool, side, line })
+    Ok(Feature { name, kind, lines: [from as u32, to as u32], setup, tool, side, gear, line })
 }
 
 fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Tolerance, FileError> {
@@ -288,7 +350,10 @@ fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Toleranc
         let found = format!("{} of a {}", characteristic.name(), own.name());
         return Err(section.at(line, "kind", &found, kinds.join(" or ")));
     }
-    let limits = read_limits(&section, characteristic)?;
+    let limits = match class(&section, characteristic, features[feature].gear.as_ref())? {
+        Some(limits) => limits,
+        None => read_limits(&section, characteristic)?,
+    };
     let mut datums = Vec::new();
     let key = if characteristic == Characteristic::Distance { "from" } else { "datums" };
     if characteristic == Characteristic::Distance {
@@ -304,6 +369,9 @@ fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Toleranc
             })?);
         }
     }
+    if let Some(flank) = datums.iter().find(|datum| features[**datum].kind == FeatureKind::Flank) {
+        return Err(section.at(line, key, &features[*flank].name, "a feature other than a flank"));
+    }
     let [least, most] = characteristic.datums();
     let twice = (0..datums.len()).any(|k| datums[k] == feature || datums[..k].contains(&datums[k]));
     if twice || !(least..=most).contains(&datums.len()) {
@@ -318,6 +386,17 @@ fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Toleranc
     }
     section.finish(None)?;
     Ok(Tolerance { feature, characteristic, limits, datums, line })
+}
+
+/// The tolerance of a gear's class, mm.
+fn class(section: &Section<'_>, of: Characteristic, gear: Option<&GearFlank>) -> Result<Option<[f64; 2]>, FileError> {
+    let (Characteristic::Flank(deviation), Some(gear)) = (of, gear) else { return Ok(None) };
+    let Some(class) = number(section, "class", gear::CLASSES, "")? else { return Ok(None) };
+    if class.fract() != 0.0 {
+        return Err(section.at(section.first_line(), "class", &class.to_string(), "a whole number"));
+    }
+    let most = gear.tolerance(deviation, class);
+    Ok(Some([if of.has_limits() { -most } else { f64::NEG_INFINITY }, most]))
 }
 
 /// The tolerance itself, mm: the unit is part of the key.
@@ -351,7 +430,8 @@ fn read_limits(section: &Section<'_>, of: Characteristic) -> Result<[f64; 2], Fi
             } else {
                 section.number(stem)?.map(|found| section.wrong(&found, format!("a unit, {needed}")))
             };
-            Err(bare.unwrap_or_else(|| section.missing_here(&format!("{stem}_um"), needed)))
+            let class = if matches!(of, Characteristic::Flank(_)) { ", or class" } else { "" };
+            Err(bare.unwrap_or_else(|| section.missing_here(&format!("{stem}_um"), &format!("{needed}{class}"))))
         }
         _ => Err(section.at(section.first_line(), stem, "two units", "one of them")),
     }

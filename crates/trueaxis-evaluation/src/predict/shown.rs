@@ -1,6 +1,8 @@
 //! Tables of a predicted part.
 
 use super::advise::document::Advice;
+use super::servo::ServoDocument;
+use super::temperature::TemperatureDocument;
 use super::{Known, PredictDocument, Predicted};
 use crate::shown::{Cell, EXPANDED, Shown, Table};
 use trueaxis_metrology::uncertainty::Interval;
@@ -9,6 +11,8 @@ use trueaxis_report::number::{decimals, shortest};
 /// The interval itself: that of a zone is not centred on the predicted width, which uncertainties mostly widen.
 const WITHIN: &str = "95 % of draws";
 
+/// Keys named of those that are not stated.
+const KEYS: usize = 12;
 /// Contributions shown of each characteristic.
 const LARGEST: usize = 3;
 
@@ -19,7 +23,10 @@ impl PredictDocument {
             self.features.iter().filter_map(|of| Some((of, of.known.as_ref()?))).collect();
         let count = |verdict: &str| known.iter().filter(|(_, known)| known.verdict == verdict).count();
         let mut notes = self.warnings.clone();
-        let not_stated = self.not_stated.join(", ");
+        let beyond = self.not_stated.len().saturating_sub(KEYS);
+        let not_stated = self.not_stated.iter().take(KEYS).cloned().collect::<Vec<_>>().join(", ");
+        let more = if beyond > 0 { format!(" and {beyond} more, listed by --json") } else { String::new() };
+        let not_stated = format!("{not_stated}{more}");
         let result = if known.is_empty() {
             notes.push(format!("machine.toml states none of these keys: {not_stated}"));
             String::from("No verdict: the machine states no standard uncertainty.")
@@ -39,18 +46,22 @@ impl PredictDocument {
             let advice = self.advice.as_ref().map_or_else(String::new, |advice| format!(" {}.", advice.sentence()));
             format!("{}.{advice}", parts.collect::<Vec<_>>().join(", "))
         };
-        notes.push("servo, temperature while cutting, tool and process are not included".into());
+        notes.push(format!("{} and process are not included", self.not_included()));
         notes.extend(self.advice.iter().flat_map(Advice::notes));
         let [x, y, z] = self.at_mm.map(shortest);
         Shown {
             title: "Part before it is cut".into(),
-            summary: vec![
+            summary: [
                 self.part.clone(),
                 format!("program {}", self.program),
                 format!("machine {}", self.machine),
                 format!("program zero at X {x}, Y {y}, Z {z} mm"),
                 format!("intervals of {} %", self.confidence_percent),
-            ],
+            ]
+            .into_iter()
+            .chain(self.servo.iter().map(ServoDocument::summary))
+            .chain(self.temperature.iter().flat_map(TemperatureDocument::summary))
+            .collect(),
             result,
             notes,
             tables: std::iter::once(self.verdicts())
@@ -61,14 +72,32 @@ impl PredictDocument {
         }
     }
 
+    /// What the prediction leaves out.
+    fn not_included(&self) -> String {
+        let temperature = self.temperature.as_ref();
+        let is_grown = temperature.is_some_and(|of| !of.sensors.is_empty());
+        let is_part = temperature.is_some_and(|of| of.part_c.is_some());
+        let temperature = match [is_grown, is_part] {
+            [true, true] => None,
+            [false, false] => Some("temperature while cutting"),
+            [true, false] => Some("temperature of the part"),
+            [false, true] => Some("temperature of the machine"),
+        };
+        let servo = if self.servo.is_some() { "uncertainty of the drives" } else { "servo" };
+        [Some(servo), temperature, Some("tool")].into_iter().flatten().collect::<Vec<_>>().join(", ")
+    }
+
     fn verdicts(&self) -> Table {
         let has_known = self.features.iter().any(|of| of.known.is_some());
+        let has_servo = self.servo.is_some();
         let head = ["feature", "tolerance", "uncorrected", "corrected"].into_iter();
         let head = head
+            .chain(has_servo.then_some("everything on"))
             .chain(if has_known { &[EXPANDED, WITHIN, "in tolerance, %", "verdict"][..] } else { &[] }.iter().copied());
         let rows = self.features.iter().map(|of| {
             let mut row: Vec<Cell> = vec![of.title().into(), of.limits().into()];
-            row.extend([of.uncorrected_um, of.corrected_um].map(|um| Cell::fixed(um, 2)));
+            let values = [of.uncorrected_um, of.corrected_um].into_iter().chain(of.everything_um);
+            row.extend(values.map(|um| Cell::fixed(um, 2)));
             if let Some(known) = &of.known {
                 let share = Cell::percent(known.conformance);
                 let Interval { low, high } = known.interval_um;

@@ -5,6 +5,7 @@ use super::cut::{Cut, Point, State};
 use super::fit::{Fitted, Nominal};
 use super::fixture::{Moved, Moves};
 use super::part::Part;
+use super::temperature::part_length;
 use crate::uncertainty::monte_carlo::{machine_of, values};
 use crate::uncertainty::terms::{Along, Counts, Effect, Term, Terms};
 use anyhow::{Result, anyhow};
@@ -166,6 +167,7 @@ impl Model<'_> {
     pub(super) fn points(&self, drawn: &Drawn, state: State) -> Result<Vec<Vec<DVec3>>> {
         let (machine, along) = machine_of(self.machine, self.terms, &drawn.values);
         let geometry = Geometry::new(&machine, 0.0).map_err(|error| anyhow!("{error}"))?;
+        let measured = part_length(self.part.temperature.part.as_ref(), self.terms, &drawn.values);
         let held: Vec<f64> = self.held(drawn);
         let of_feature = |(feature, (cut, nominal)): (usize, (&Cut, &Nominal))| {
             let scattered = self.approach(drawn, feature);
@@ -173,7 +175,7 @@ impl Model<'_> {
             let moved = Moved::of(self.moves, &held, &self.part.setups, cut);
             let at = |point: &Point| {
                 let error = cut.to_part * point.error(self.machine, &geometry, state, along());
-                point.nominal + error + moved.of_point(point, cut, nominal)
+                measured * (point.nominal + error + moved.of_point(point, cut, nominal))
             };
             cut.points.iter().map(at).collect()
         };

@@ -17,6 +17,8 @@ pub use document::{
 pub use figures::residuals;
 pub use record::{COLUMNS, Recording, with_temperatures};
 pub use text::model;
+#[cfg(feature = "simulated")]
+pub(crate) use text::with_uncertainties;
 pub use written::written;
 
 use anyhow::{Result, anyhow, bail};

@@ -46,6 +46,8 @@ struct SpindleSection {
 struct AxisSection {
     datum_mm: Option<Spanned<f64>>,
     datum_deg: Option<Spanned<f64>>,
+    uncertainty_um: Option<Spanned<f64>>,
+    uncertainty_urad: Option<Spanned<f64>>,
     #[serde(default)]
     sensor: BTreeMap<String, Spanned<SensorCurves>>,
     spindle: Option<Spanned<SpindleCurves>>,
@@ -89,6 +91,19 @@ impl Place<'_> {
 /// The error and its line: an invalid key, an axis that the machine does not have, a curve whose number of values differs from
 /// that of its knots, a reference temperature or datum other than the machine's, for which its tables are valid.
 pub fn model(text: &str, file: &Path, machine: &MachineSettings) -> Result<Model, FileError> {
+    with_uncertainties(text, file, machine).map(|(model, _)| model)
+}
+
+/// As [`model`], with the axes of the model and the standard uncertainty of each axis' growth, mm or degrees, where stated.
+///
+/// # Errors
+/// As [`model`]; an uncertainty outside 0 to 1000 µm.
+#[expect(clippy::type_complexity, reason = "one caller beside `model`")]
+pub(crate) fn with_uncertainties(
+    text: &str,
+    file: &Path,
+    machine: &MachineSettings,
+) -> Result<(Model, Vec<(Axis, Option<f64>)>), FileError> {
     let place = Place { file, text };
     let read: File = toml::from_str(text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
@@ -134,7 +149,7 @@ pub fn model(text: &str, file: &Path, machine: &MachineSettings) -> Result<Model
             Some(Spindle { lag_s: section.lag_s, knots_rpm: knots.clone() })
         }
     };
-    let mut axes = Vec::new();
+    let (mut axes, mut uncertainties) = (Vec::new(), Vec::new());
     for (letter, section) in read.axis.get_ref() {
         let axis = letter.parse().ok().and_then(Axis::from_letter).filter(|axis| machine.axis(*axis).is_some());
         let Some(axis) = axis else {
@@ -142,9 +157,33 @@ pub fn model(text: &str, file: &Path, machine: &MachineSettings) -> Result<Model
             return Err(place.at(read.axis.span().start, &format!("axis.{letter}"), letter, needed));
         };
         axes.push(of_axis(&place, axis, section, &sensors, spindle.as_ref(), machine)?);
+        uncertainties.push((axis, uncertainty(&place, axis, section)?));
     }
     axes.sort_by_key(|of| of.axis);
-    Ok(Model { sensors, spindle, axes })
+    uncertainties.sort_by_key(|(axis, _)| *axis);
+    Ok((Model { sensors, spindle, axes }, uncertainties))
+}
+
+/// Standard uncertainty of an axis' growth, which is not compiled.
+fn uncertainty(place: &Place<'_>, axis: Axis, section: &AxisSection) -> Result<Option<f64>, FileError> {
+    let (unit, other) = if axis.is_rotary() { ("urad", "um") } else { ("um", "urad") };
+    let all = [&section.uncertainty_um, &section.uncertainty_urad];
+    let [own, wrong] = if axis.is_rotary() { [all[1], all[0]] } else { all };
+    let key = |unit: &str| format!("axis.{}.uncertainty_{unit}", axis.letter());
+    if let Some(wrong) = wrong {
+        return Err(place.at(wrong.span().start, &key(other), wrong.get_ref(), key(unit)));
+    }
+    let Some(own) = own else { return Ok(None) };
+    let value = *own.get_ref();
+    if !(0.0..=1000.0).contains(&value) {
+        return Err(place.at(
+            own.span().start,
+            &key(unit),
+            value,
+            format!("a standard uncertainty of 0 to 1000 {unit}"),
+        ));
+    }
+    Ok(Some(if axis.is_rotary() { (1e-6 * value).to_degrees() } else { 1e-3 * value }))
 }
 
 fn ascending(place: &Place<'_>, knots: &Spanned<Vec<f64>>, key: &str) -> Result<(), FileError> {

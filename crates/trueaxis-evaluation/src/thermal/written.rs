@@ -4,6 +4,7 @@ use super::FittedRecording;
 use super::shown::DEGREES_OF_FREEDOM;
 use crate::shown::half_width;
 use std::fmt::Write;
+use trueaxis::Axis;
 use trueaxis_metrology::thermal::Coefficient;
 use trueaxis_report::number::significant;
 use trueaxis_tables::text::{acts, short};
@@ -57,6 +58,9 @@ pub fn written(found: &FittedRecording) -> String {
     for (axis, of) in model.axes.iter().zip(&found.fit.axes) {
         let letter = axis.axis.letter();
         let _ = write!(text, "\n[axis.{letter}]\ndatum_mm = {}\n", short(axis.datum));
+        if let Some(left) = left_um(found, axis.axis) {
+            let _ = writeln!(text, "uncertainty_um = {}  # what the held-out cycles leave, RMS", short(left));
+        }
         let mut put = |section: &str, [offset, slope]: [&str; 2], values: &[Coefficient]| {
             let _ = write!(text, "\n[axis.{letter}.{section}]\n");
             for (part, key, scale) in [(0, offset, 1e3), (1, slope, 1e6)] {
@@ -81,4 +85,12 @@ pub fn written(found: &FittedRecording) -> String {
         }
     }
     text
+}
+
+/// Root mean square of what the cycles held out leave of an axis' drift, µm; `None` if no cycle was held out.
+fn left_um(found: &FittedRecording, axis: Axis) -> Option<f64> {
+    let out = || found.figures.iter().filter(|of| of.axis == axis && of.held_out);
+    let count = out().count();
+    let left = 1e3 * (out().map(|of| of.left_rms_mm.powi(2)).sum::<f64>() / count.max(1) as f64).sqrt();
+    (count > 0).then(|| (100.0 * left).round() / 100.0)
 }

@@ -125,7 +125,14 @@ impl Terms {
     }
 
     /// Adds a quantity if it is stated, otherwise its key to those not stated. Zero counts as stated but has no effect.
-    fn put(&mut self, key: String, name: String, value: Option<f64>, of: f64, effect: impl FnOnce(f64) -> Effect) {
+    pub(crate) fn put(
+        &mut self,
+        key: String,
+        name: String,
+        value: Option<f64>,
+        of: f64,
+        effect: impl FnOnce(f64) -> Effect,
+    ) {
         match value {
             None => self.not_stated.push(key),
             Some(0.0) => {}

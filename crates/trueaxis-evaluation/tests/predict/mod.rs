@@ -4,7 +4,10 @@ mod advised;
 mod live;
 mod measured;
 mod plant;
+mod servo;
 mod setups;
+mod temperature;
+mod thirty;
 mod trunnion;
 
 use measured::{along, circle, flatness, hole, levelled, line};

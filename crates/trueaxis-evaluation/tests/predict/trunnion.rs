@@ -1,9 +1,11 @@
-//! Parts on a five-axis machine: features cut under the tool centre point, indexed, and by the rotary table alone.
+//! Parts on five-axis machines: features cut under the tool centre point, indexed, and by the rotary table alone, and a gear's
+//! flank.
 
 use super::measured;
 use super::plant::{M, V, dot, product, sub, times, turned};
 use std::path::Path;
 use trueaxis_evaluation::predict::{Options, Part, PredictDocument, predict};
+use trueaxis_metrology::helicoid::Gear;
 use trueaxis_sim::program::Program;
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
@@ -21,15 +23,34 @@ const TILT: f64 = 10.0;
 /// Axes X, Y, Z, A, C, mm and degrees.
 type Axes = [f64; 5];
 
-/// Errors of the machine `w C' A' Y' b X Z t`, mm and rad.
+/// Errors of a machine `w C' A' Y' b X Z t`, or `w C' b X Y Z A t`, mm and rad.
 #[derive(Clone)]
 struct Errors {
+    /// Length of the tool from the axis A, where that turns the tool.
+    head: Option<f64>,
+    /// Positioning error of C under the head at the rows of its table, rad.
+    rows: Vec<f64>,
     /// A0Z, B0Z, C0Y.
     square: V,
     /// Location errors of A and C: three shifts, three turns.
     location: [[f64; 6]; 2],
     /// Error of each axis along itself, mm and rad.
     approach: [f64; 5],
+}
+
+/// Rows of the table of C, and the standard uncertainty of each, rad.
+const ROWS: usize = 289;
+const ROW: f64 = 2e-6;
+
+/// Rows of 5 degrees about zero.
+fn degrees(row: usize) -> f64 {
+    5.0 * row as f64 - 720.0
+}
+
+/// A scale and a wave, in whole nanoradians as in the file.
+fn stated_row(row: usize) -> f64 {
+    let angle = degrees(row).to_radians();
+    (40e3 * angle + 9e3 * (14.0 * angle).sin()).round() * 1e-9
 }
 
 /// Standard uncertainties of squareness, shifts and turns of location errors, and approaches of linear and rotary axes.
@@ -42,7 +63,7 @@ const APPROACH: [f64; 2] = [0.4e-3, 3e-6];
 const LOCATIONS: [[usize; 4]; 2] = [[1, 2, 4, 5], [0, 1, 3, 4]];
 
 impl Errors {
-    fn stated() -> Errors {
+    fn stated(head: Option<f64>) -> Errors {
         let mut location = [[0.0; 6]; 2];
         for (axis, own) in LOCATIONS.iter().enumerate() {
             for (k, component) in own.iter().enumerate() {
@@ -50,12 +71,19 @@ impl Errors {
                 location[axis][*component] = size * [0.9, -0.7, 0.5, -1.0][(k + 2 * axis) % 4];
             }
         }
-        Errors { square: [12e-6, -15e-6, 17e-6], location, approach: [0.0; 5] }
+        Errors {
+            head,
+            rows: head.map_or_else(Vec::new, |_| (0..ROWS).map(stated_row).collect()),
+            square: [12e-6, -15e-6, 17e-6],
+            location,
+            approach: [0.0; 5],
+        }
     }
 
     fn drawn(&self, noise: &mut Noise) -> Errors {
         let mut drawn = self.clone();
         drawn.square.iter_mut().for_each(|q| *q += SQUARE * normal(noise));
+        drawn.rows.iter_mut().for_each(|q| *q += ROW * normal(noise));
         for (axis, own) in LOCATIONS.iter().enumerate() {
             for component in own {
                 let u = if *component < 3 { SHIFT } else { TURN };
@@ -66,8 +94,19 @@ impl Errors {
     }
 
     /// Scatter of the approach to a feature.
-    fn approaches(&mut self, noise: &mut Noise) {
+    fn with_approaches(mut self, noise: &mut Noise) -> Errors {
         self.approach = std::array::from_fn(|axis| APPROACH[usize::from(axis > 2)] * normal(noise));
+        self
+    }
+
+    /// Between the rows, rad.
+    fn positioning(&self, c: f64) -> f64 {
+        if self.rows.is_empty() {
+            return 0.0;
+        }
+        let place = (c - degrees(0)) / 5.0;
+        let (row, share) = (place.floor() as usize, place.fract());
+        self.rows[row] + share * (self.rows[row + 1] - self.rows[row])
     }
 
     /// The tip on the workpiece: the bed's frame moved along the tool's side, then back along the workpiece's.
@@ -75,6 +114,17 @@ impl Errors {
         let unit = |axis: usize| if axis > 2 { 1f64.to_radians() } else { 1.0 };
         let [x, y, z, a, c]: Axes = std::array::from_fn(|axis| axes[axis] + self.approach[axis] / unit(axis));
         let [a0z, b0z, c0y] = self.square;
+        if let Some(length) = self.head {
+            let [tilt, table] = self.location;
+            let turn = product(&turned([tilt[3], tilt[4], tilt[5]]), &about(0, a));
+            let tool = times(&turn, [0.0, 0.0, -length]);
+            let axis = [x - c0y * y + b0z * z, y - a0z * z, z + length];
+            let tip: V = std::array::from_fn(|i| axis[i] + tilt[i] + tool[i]);
+            let [ex, ey, ez, ea, eb, ec] = table.map(|part| -part);
+            let ec = ec - self.positioning(c);
+            let frame = product(&turned([ea, eb, ec]), &about(2, c));
+            return times(&transposed(&frame), sub(tip, [ex, ey, ez]));
+        }
         let tool = [x + b0z * z, -a0z * z, z];
         // Y carries the workpiece: it goes the other way, and so do its errors.
         let slide = [c0y * y, -y, 0.0];
@@ -90,7 +140,7 @@ impl Errors {
 
     /// Axes that bring this machine's tip where a perfect machine has it with these axes.
     fn corrected(&self, axes: Axes) -> Axes {
-        let to = NONE.tip(axes);
+        let to = Errors { head: self.head, ..NONE }.tip(axes);
         let mut sent = axes;
         for _ in 0..4 {
             let at = self.tip(sent);
@@ -112,7 +162,10 @@ impl Errors {
 
     /// machine.toml; with its uncertainties.
     fn files(&self, is_known: bool) -> Vec<(String, String)> {
-        let mut toml = String::from("name = \"trunnion\"\nchain = \"w C' A' Y' b X Z t\"\n");
+        let (chain, direction) = if self.head.is_some() { ("w C' b X Y Z A t", 1) } else { ("w C' A' Y' b X Z t", -1) };
+        let mut toml = format!("name = \"five\"\nchain = \"{chain}\"\n");
+        let length = self.head.unwrap_or(0.0);
+        toml += &format!("tool_mm = [0, 0, {}]\n", -length);
         toml += "[compensation]\nmodel = \"volumetric\"\n";
         for letter in ["X", "Y", "Z"] {
             toml += &format!("[axis.{letter}]\ntravel_mm = [-400, 400]\n");
@@ -121,9 +174,17 @@ impl Errors {
             }
         }
         for letter in ["A", "C"] {
-            toml += &format!("[axis.{letter}]\ndirection = -1\ntravel_deg = [-720, 720]\n");
+            toml += &format!("[axis.{letter}]\ndirection = {direction}\ntravel_deg = [-720, 720]\n");
+            if letter == "A" {
+                toml += &format!("offset_mm = [0, 0, {length}]\n");
+            } else if self.head.is_some() {
+                toml += "table = \"c.csv\"\n";
+            }
             if is_known {
                 toml += &format!("[axis.{letter}.uncertainty]\nrepeatability_urad = {}\n", 1e6 * APPROACH[1]);
+                if letter == "C" && self.head.is_some() {
+                    toml += &format!("ECC_urad = {}\n", 1e6 * ROW);
+                }
             }
         }
         let named = ["A0Z", "B0Z", "C0Y"];
@@ -144,12 +205,15 @@ impl Errors {
             let u = |_, component: usize| if component < 3 { SHIFT } else { TURN };
             toml += &format!("[uncertainty.location]\n{}", location([SQUARE; 3], &u));
         }
-        vec![("machine.toml".into(), toml)]
+        let line = |(row, error): (usize, &f64)| format!("{},{:.3}\n", degrees(row), 1e6 * error);
+        let rows: Vec<String> = self.rows.iter().enumerate().map(line).collect();
+        vec![("machine.toml".into(), toml), ("c.csv".into(), format!("C_deg,ECC_urad\n{}", rows.concat()))]
     }
 }
 
 /// A perfect machine.
-const NONE: Errors = Errors { square: [0.0; 3], location: [[0.0; 6]; 2], approach: [0.0; 5] };
+const NONE: Errors =
+    Errors { head: None, rows: Vec::new(), square: [0.0; 3], location: [[0.0; 6]; 2], approach: [0.0; 5] };
 
 fn transposed(m: &M) -> M {
     std::array::from_fn(|i| std::array::from_fn(|j| m[j][i]))
@@ -217,14 +281,14 @@ const PART: &str = "name = \"tilted\"\nat_mm = [10, -20, 60]\n\
     [[tolerance]]\nfeature = \"side\"\nkind = \"position\"\nwidth_um = 60\n\
     [[tolerance]]\nfeature = \"turned\"\nkind = \"size\"\nlimits_um = [-60, 60]\n";
 
-fn predicted(is_known: bool) -> PredictDocument {
-    let files = Memory::new(Errors::stated().files(is_known));
+fn predicted(machine: &Errors, is_known: bool, program: &str, part: &str) -> PredictDocument {
+    let files = Memory::new(machine.files(is_known));
     let toml = Path::new("machine.toml");
     let machine = Machine::read_from(&files, toml, &mut |_| {}).unwrap();
     let stated = Uncertainties::read_from(&files, toml).unwrap();
-    let program = Program::parse("tilted", &part().1, "tilted.ngc").unwrap();
-    let part = Part::read(PART, Path::new("part.toml")).unwrap();
-    predict(&machine, &stated, &program, &part, Options { trials: 2000, seed: 3 }).unwrap()
+    let program = Program::parse("five", program, "five.ngc").unwrap();
+    let part = Part::read(part, Path::new("part.toml")).unwrap();
+    predict(&machine, &stated, &program, &part, Options { trials: 1000, seed: 3 }).unwrap()
 }
 
 /// Measures the tolerances, µm; `cut`: the machine of each feature.
@@ -250,15 +314,15 @@ fn measure(sent: &[Vec<Axes>; 3], cut: &[Errors; 3]) -> [f64; 4] {
 }
 
 fn sent(is_corrected: bool) -> [Vec<Axes>; 3] {
-    let machine = Errors::stated();
+    let machine = Errors::stated(None);
     part().0.map(|all| all.iter().map(|axes| if is_corrected { machine.corrected(*axes) } else { *axes }).collect())
 }
 
 #[test]
 fn a_stated_five_axis_machine_cuts_what_is_predicted() {
-    let found = predicted(false);
+    let found = predicted(&Errors::stated(None), false, &part().1, PART);
     for is_corrected in [false, true] {
-        let wanted = measure(&sent(is_corrected), &[(); 3].map(|()| Errors::stated()));
+        let wanted = measure(&sent(is_corrected), &[(); 3].map(|()| Errors::stated(None)));
         for (wanted, found) in wanted.into_iter().zip(&found.features) {
             let um = if is_corrected { found.corrected_um } else { found.uncorrected_um };
             let case = format!("corrected {is_corrected}, {} {}: {um} for {wanted}", found.feature, found.kind);
@@ -271,18 +335,14 @@ fn a_stated_five_axis_machine_cuts_what_is_predicted() {
 
 #[test]
 fn of_100_parts_of_a_five_axis_machine_95_are_within_the_predicted_intervals() {
-    let found = predicted(true);
+    let found = predicted(&Errors::stated(None), true, &part().1, PART);
     let sent = sent(true);
     let parts = share(4000);
     let mut held = [0; 4];
     for number in 0..parts {
         let mut noise = Noise::new(500 + number as u64);
-        let drawn = Errors::stated().drawn(&mut noise);
-        let cut = [(); 3].map(|()| {
-            let mut own = drawn.clone();
-            own.approaches(&mut noise);
-            own
-        });
+        let drawn = Errors::stated(None).drawn(&mut noise);
+        let cut = [(); 3].map(|()| drawn.clone().with_approaches(&mut noise));
         for ((held, value), of) in held.iter_mut().zip(measure(&sent, &cut)).zip(&found.features) {
             *held += usize::from(of.known.as_ref().unwrap().interval_um.contains(value));
         }
@@ -293,5 +353,107 @@ fn of_100_parts_of_a_five_axis_machine_95_are_within_the_predicted_intervals() {
         let expanded = of.known.as_ref().unwrap().expanded_um;
         println!("{} {}: {:.1} %, ± {expanded:.2} µm", of.feature, of.kind, 100.0 * share);
         assert!((share - 0.95).abs() < most, "{} {}: {held} of {parts}", of.feature, of.kind);
+    }
+}
+
+const GEAR: Gear = Gear { module_mm: 3.0, teeth: 24, pressure_angle_deg: 20.0, helix_angle_deg: 15.0 };
+/// Roll angles and heights of the grid.
+const ROLLS: [f64; 9] = [0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6];
+const HEIGHTS: usize = 9;
+
+/// Commands over the grid of a flank with the tool along its normal, the program, and base radius and lead parameter. The gear
+/// stands on the axis of the table; the zero of the program is that of the machine.
+fn flank(length: f64) -> (Vec<Axes>, String, [f64; 2]) {
+    let beta = GEAR.helix_angle_deg.to_radians();
+    let radius = 0.5 * GEAR.module_mm * f64::from(GEAR.teeth) / beta.cos();
+    let pressure = (GEAR.pressure_angle_deg.to_radians().tan() / beta.cos()).atan();
+    let [base, lead] = [radius * pressure.cos(), radius / beta.tan()];
+    let tilt = lead.atan2(base);
+    let mut text = String::from("G21 G90 G17 G94 F600\nG0 Z200\n");
+    let mut commands = Vec::new();
+    for u in ROLLS {
+        for k in 0..HEIGHTS {
+            let theta = 0.03 * k as f64;
+            let phi = u + theta;
+            // The table turns the normal into the plane in which the head tilts the tool.
+            let [x, y, z] = [base, -base * u, lead * theta];
+            let to =
+                [x, y - length * tilt.sin(), z + length * (tilt.cos() - 1.0), tilt.to_degrees(), -phi.to_degrees()];
+            let to = to.map(|q| (1e6 * q).round() * 1e-6);
+            text += &format!("G1 X{} Y{} Z{} A{} C{}\n", to[0], to[1], to[2], to[3], to[4]);
+            commands.push(to);
+        }
+    }
+    (commands, text + "G0 Z200\nM2\n", [base, lead])
+}
+
+/// Deviations of profile and helix, µm: total, form and slope of each.
+fn flank_deviations(points: &[V], [base, lead]: [f64; 2]) -> [f64; 6] {
+    // How far the screw through a point is above that of the flank, along the normal.
+    let above = |[x, y, z]: V| {
+        let u = (x.hypot(y).powi(2) / base.powi(2) - 1.0).sqrt();
+        (z - lead * (y.atan2(x) + u.atan() - u)) * base / lead.hypot(base)
+    };
+    let profile = (0..ROLLS.len()).map(|row| (base * ROLLS[row], above(points[row * HEIGHTS + HEIGHTS / 2])));
+    // The roll angle of the reference cylinder is 0.377.
+    let helix = (0..HEIGHTS).map(|k| (lead * 0.03 * k as f64, above(points[4 * HEIGHTS + k])));
+    let of = |trace: Vec<(f64, f64)>| {
+        let count = trace.len() as f64;
+        let [s, d] =
+            [trace.iter().map(|one| one.0).sum::<f64>() / count, trace.iter().map(|one| one.1).sum::<f64>() / count];
+        let squares: f64 = trace.iter().map(|one| (one.0 - s).powi(2)).sum();
+        let slope = trace.iter().map(|one| (one.0 - s) * (one.1 - d)).sum::<f64>() / squares;
+        let width = |slope: f64| {
+            let rest: Vec<f64> = trace.iter().map(|one| one.1 - slope * one.0).collect();
+            rest.iter().copied().fold(f64::MIN, f64::max) - rest.iter().copied().fold(f64::MAX, f64::min)
+        };
+        [width(0.0), width(slope), slope * (trace[trace.len() - 1].0 - trace[0].0)]
+    };
+    let [[a, b, c], [d, e, f]] = [of(profile.collect()), of(helix.collect())];
+    [a, b, c, d, e, f].map(|mm| 1e3 * mm)
+}
+
+#[test]
+fn profile_and_helix_of_a_gear_are_cut_as_predicted() {
+    let (commands, program, surface) = flank(150.0);
+    let mut part = String::from(
+        "name = \"gear\"\nat_mm = [0, 0, 0]\n[[feature]]\nname = \"tooth\"\nkind = \"flank\"\nlines = [3, 83]\n\
+         module_mm = 3\nteeth = 24\nhelix_angle_deg = 15\nface_mm = 20\n",
+    );
+    for of in ["profile", "helix"] {
+        for kind in ["total", "form", "slope"] {
+            part += &format!("[[tolerance]]\nfeature = \"tooth\"\nkind = \"{of} {kind}\"\nclass = 6\n");
+        }
+    }
+    let stated = Errors::stated(Some(150.0));
+    let found = predicted(&stated, true, &program, &part);
+    // m_n 3, d 74.54, b 20, class 6 of ISO 1328-1:2013, rounded as there.
+    let limits: Vec<f64> = found.features.iter().map(|of| (1e6 * of.limits_um[1].unwrap()).round() * 1e-6).collect();
+    assert_eq!(limits, [12.0, 9.5, 7.5, 13.0, 9.5, 8.5]);
+    let cut = |sent: &dyn Fn(Axes) -> Axes, truth: &Errors| {
+        let points: Vec<V> = commands.iter().map(|axes| truth.tip(sent(*axes))).collect();
+        flank_deviations(&points, surface)
+    };
+    for (k, of) in found.features.iter().enumerate() {
+        let wanted = [cut(&|axes| axes, &stated)[k], cut(&|axes| stated.corrected(axes), &stated)[k]];
+        let um = [of.uncorrected_um, of.corrected_um];
+        assert!((0..2).all(|state| (um[state] - wanted[state]).abs() < 0.01), "{}: {um:?} for {wanted:?}", of.kind);
+        assert!(wanted[0].abs() > 0.1, "{}: {wanted:?}", of.kind);
+    }
+    let parts = share(4000);
+    let mut held = [0; 6];
+    for number in 0..parts {
+        let mut noise = Noise::new(7000 + number as u64);
+        let drawn = stated.drawn(&mut noise).with_approaches(&mut noise);
+        let values = cut(&|axes| stated.corrected(axes), &drawn);
+        for ((held, value), of) in held.iter_mut().zip(values).zip(&found.features) {
+            *held += usize::from(of.known.as_ref().unwrap().interval_um.contains(value));
+        }
+    }
+    let most = 0.01 + 3.5 * (0.95_f64 * 0.05 / parts as f64).sqrt();
+    for (held, of) in held.into_iter().zip(&found.features) {
+        let (share, expanded) = (held as f64 / parts as f64, of.known.as_ref().unwrap().expanded_um);
+        println!("{}: {:.1} %, ± {expanded:.2} µm", of.kind, 100.0 * share);
+        assert!((share - 0.95).abs() < most, "{}: {held} of {parts}", of.kind);
     }
 }

@@ -86,6 +86,8 @@ impl Commander {
                 length_mm: setpoint.length,
                 nominal_mm: nominal.to_array(),
                 rotary_deg: setpoint.rotary,
+                move_index: setpoint.move_index,
+                u: setpoint.u,
             },
             positions: scenario.axis_positions(&setpoint),
             reference: self.path.reference(setpoint.move_index, setpoint.u, &mut self.span),

@@ -20,6 +20,10 @@ pub struct Moment {
     pub nominal_mm: [f64; 3],
     /// Programmed A, B, C, degrees.
     pub rotary_deg: [f64; 3],
+    /// Index into [`Program::moves`](crate::program::Program).
+    pub move_index: usize,
+    /// Parameter on the curve of that move.
+    pub u: f64,
 }
 
 /// Parts of the dynamic correction in a cycle, µm and µrad; axes in the order X, Y, Z, A, B, C. All zero on a machine that is

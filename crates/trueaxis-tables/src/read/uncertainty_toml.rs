@@ -93,6 +93,7 @@ pub(super) fn read(root: &Section<'_>, axes: &[Axis]) -> Result<Uncertainties, F
         temperature_difference_k: difference(&section)?,
         expansion_per_k: stated(&section, "expansion_um_per_m_k", &MILLIONTHS, millionths)?,
         eve: stated(&section, "eve_um", &UM, from_um)?,
+        sensor_k: stated(&section, "sensor_k", &KELVIN, same)?,
         degrees_of_freedom: degrees_of_freedom(&section)?,
     };
     if let Some(records) = section.strings("records")? {
@@ -154,6 +155,8 @@ pub(super) fn read_axis(axis: &Section<'_>, of: Axis) -> Result<AxisUncertainty,
     found.backlash = stated(&section, &format!("backlash_{micro}"), bounds, convert)?;
     own_degrees(&section, "backlash", &mut found.own_degrees_of_freedom)?;
     found.repeatability = stated(&section, &format!("repeatability_{micro}"), bounds, convert)?;
+    found.growth = stated(&section, &format!("growth_{micro}"), bounds, convert)?;
+    own_degrees(&section, "growth", &mut found.own_degrees_of_freedom)?;
     for (to, moved) in found.columns.iter_mut().zip(Axis::ALL) {
         let (unit, bounds, convert): (_, _, fn(f64) -> f64) =
             if moved.is_rotary() { ("urad", &URAD, from_urad) } else { ("um", &UM, from_um) };

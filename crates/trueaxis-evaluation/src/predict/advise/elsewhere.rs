@@ -81,7 +81,10 @@ impl Asked<'_> {
             let own: Vec<usize> = (0..self.part.tolerances.len())
                 .filter(|k| self.part.tolerances[*k].feature == index && depends(&predicted.features[*k]))
                 .collect();
-            if feature.kind == FeatureKind::Hole || feature.setup.is_some() || own.is_empty() {
+            if matches!(feature.kind, FeatureKind::Hole | FeatureKind::Flank)
+                || feature.setup.is_some()
+                || own.is_empty()
+            {
                 continue;
             }
             let Some(program) = reversed(self.program, feature.lines) else { continue };

@@ -1,0 +1,68 @@
+//! Temperatures of a predicted part: its record, and the machine's model of growth.
+
+use crate::csv_in;
+use anyhow::{Result, bail};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use trueaxis_evaluation::predict::{Growth, GrowthModel, Part, Start, TEMPERATURES, TemperatureRecord};
+use trueaxis_tables::Machine;
+use trueaxis_tables::text::read_text;
+
+#[derive(Args)]
+#[command(next_help_heading = "Temperature")]
+pub(super) struct TemperatureArgs {
+    /// Temperatures while the part is cut; they replace `machine_c` of the part's file.
+    #[arg(long, value_name = "RECORD.csv")]
+    thermal: Option<PathBuf>,
+    /// Start of the program, seconds after the record's first row [default: 0].
+    #[arg(long, value_name = "S", requires = "thermal", conflicts_with = "at")]
+    start: Option<f64>,
+    /// Start of the program on the clock, if t_s of the record counts from midnight.
+    #[arg(long, value_name = "HH:MM", requires = "thermal", value_parser = clock)]
+    at: Option<f64>,
+}
+
+/// Seconds since midnight.
+fn clock(text: &str) -> Result<f64> {
+    let parts = text.split_once(':').and_then(|(hours, minutes)| {
+        Some((hours.parse::<u32>().ok()?, minutes.parse::<u32>().ok().filter(|_| minutes.len() == 2)?))
+    });
+    match parts {
+        Some((hours @ 0..=23, minutes @ 0..=59)) => Ok(f64::from(3600 * hours + 60 * minutes)),
+        _ => bail!("needed hours and minutes, 00:00 to 23:59"),
+    }
+}
+
+/// The thermal.toml beside a machine.toml.
+fn model_beside(machine: &Path) -> Option<PathBuf> {
+    let path = if machine.is_dir() { machine.join("thermal.toml") } else { machine.with_file_name("thermal.toml") };
+    path.is_file().then_some(path)
+}
+
+impl TemperatureArgs {
+    /// Files that a prediction of this part reads for the temperatures.
+    pub(super) fn inputs(&self, part: &Part, machine: &Path) -> impl Iterator<Item = PathBuf> {
+        let model = model_beside(machine).filter(|_| self.thermal.is_some() || part.temperature.machine_c.is_some());
+        self.thermal.clone().into_iter().chain(model)
+    }
+
+    /// The part with the growth of the machine while it is cut.
+    pub(super) fn apply(&self, part: Part, machine: &Machine, path: &Path) -> Result<Part> {
+        if self.thermal.is_none() && part.temperature.machine_c.is_none() {
+            return Ok(part);
+        }
+        let file = model_beside(path);
+        let text = file.as_deref().map(|file| read_text(file, &['#'])).transpose()?;
+        let model = GrowthModel::of(machine, text.as_deref().zip(file.as_deref()))?;
+        let growth = match (&self.thermal, part.temperature.machine_c) {
+            (Some(record), _) => {
+                let record = TemperatureRecord::read(csv_in::open(record, &TEMPERATURES, "rows")?)?;
+                let start = self.at.map_or_else(|| Start::After(self.start.unwrap_or(0.0)), Start::At);
+                Growth::recorded(model, &record, start)?
+            }
+            (None, Some(celsius)) => Growth::constant(model, celsius)?,
+            (None, None) => return Ok(part),
+        };
+        Ok(Part { growth: Some(growth), ..part })
+    }
+}

@@ -1,0 +1,225 @@
+//! Growth of machine and part while the part is cut, by own formulas.
+
+use std::fmt::Write;
+use std::path::Path;
+use trueaxis_evaluation::predict::{
+    Growth, GrowthModel, Options, Part, PredictDocument, Predicted, Start, TEMPERATURES, TemperatureRecord, predict,
+};
+use trueaxis_evaluation::rows::Rows;
+use trueaxis_sim::program::Program;
+use trueaxis_tables::Machine;
+use trueaxis_tables::files::Memory;
+use trueaxis_tables::uncertainty::Uncertainties;
+
+/// Two holes 100 mm apart along X and Y, 60 mm and 80 mm; all motion at 1 mm/s: each stroke takes 7 s, the way 100 s.
+const PROGRAM: &str = "G21 G90 G17 G94 F60\nG1 X0 Y0 Z2\nG1 Z-5\nG1 Z2\nG1 X60 Y80\nG1 Z-5\nG1 Z2\nM2\n";
+/// Time between the middles of the two strokes, and from the start to the first, s.
+const APART_S: f64 = 3.5 + 7.0 + 100.0 + 3.5;
+const FIRST_S: f64 = 2.0 + 3.5;
+const PART: &str = "name = \"two\"\nat_mm = [0, 0, -50]\n\
+                    [[feature]]\nname = \"one\"\nkind = \"hole\"\nlines = [3, 3]\n\
+                    [[feature]]\nname = \"two\"\nkind = \"hole\"\nlines = [6, 6]\n\
+                    [[tolerance]]\nfeature = \"two\"\nkind = \"distance\"\nfrom = \"one\"\nlimits_um = [-5, 5]\n\
+                    [[tolerance]]\nfeature = \"one\"\nkind = \"position\"\nwidth_um = 5\n";
+
+fn machine(thermal: &str) -> (Machine, Uncertainties) {
+    let toml = format!(
+        "name = \"small\"\nchain = \"w X' Y' b Z t\"\n[axis.X]\ntable = \"x.csv\"\ntravel_mm = [-10, 200]\n\
+         [axis.Y]\ntravel_mm = [-10, 200]\n[axis.Z]\ntravel_mm = [-100, 0]\n{thermal}"
+    );
+    let files = Memory::new([("machine.toml", toml.as_str()), ("x.csv", "X_mm,EXX_um\n-10,0\n200,0\n")]);
+    let file = Path::new("machine.toml");
+    (Machine::read_from(&files, file, &mut |_| {}).unwrap(), Uncertainties::read_from(&files, file).unwrap())
+}
+
+fn part(temperature: &str) -> Part {
+    Part::read(&format!("{PART}{temperature}"), Path::new("part.toml")).unwrap()
+}
+
+fn predicted(machine: &(Machine, Uncertainties), part: &Part) -> anyhow::Result<PredictDocument> {
+    let program = Program::parse("two", PROGRAM, "two.ngc").unwrap();
+    predict(&machine.0, &machine.1, &program, part, Options { trials: 4000, seed: 3 })
+}
+
+fn read(text: &str) -> anyhow::Result<TemperatureRecord> {
+    TemperatureRecord::read(Rows::new(text.as_bytes(), Path::new("shift.csv"), &TEMPERATURES, |_| {})?)
+}
+
+/// A row every 20 s from `from_s` on, 20 °C and this rise in K per second.
+fn ramp(from_s: f64, rows: u32, rise: f64) -> String {
+    let mut text = String::from("t_s,T1_c\n");
+    for row in 0..rows {
+        let t = 20.0 * f64::from(row);
+        writeln!(text, "{},{}", from_s + t, 20.0 + rise * t).unwrap();
+    }
+    text
+}
+
+fn share(of: &Predicted, term: &str) -> f64 {
+    let budget = &of.known.as_ref().unwrap().budget;
+    budget.iter().find(|one| one.term == term).map_or(0.0, |one| one.standard_um)
+}
+
+#[test]
+fn a_constant_rise_lengthens_distances_and_a_warm_part_shrinks() {
+    let machine = machine(
+        "[axis.X.thermal]\nexpansion_um_per_m_k = 11.5\n[axis.Y.thermal]\nexpansion_um_per_m_k = 11.5\n\
+         [uncertainty]\nsensor_k = 0.2\nexpansion_um_per_m_k = 1.0\n",
+    );
+    let cold = predicted(&machine, &part("")).unwrap();
+    assert!(cold.features[0].uncorrected_um.abs() < 1e-6 && cold.temperature.is_none());
+    let grown = 100.0 * 11.5e-3 * 3.5;
+    let warm = predicted(&machine, &part("[temperature]\nmachine_c = 23.5\n")).unwrap();
+    let distance = &warm.features[0];
+    assert!((distance.uncorrected_um - grown).abs() < 1e-3, "{} for {grown}", distance.uncorrected_um);
+    assert!(distance.corrected_um.abs() < 1e-5, "{}", distance.corrected_um);
+    // 0.2 K at 11.5 µm/(m K), and 1 µm/(m K) over 3.5 K, both over 100 mm.
+    let [sensor, expansion] = ["temperature sensor", "expansion while cutting"].map(|term| share(distance, term));
+    assert!((sensor - 0.23).abs() < 0.01 && (expansion - 0.35).abs() < 0.015, "{sensor}, {expansion}");
+    let expanded = distance.known.as_ref().unwrap().expanded_um;
+    assert!((expanded - 1.96 * f64::hypot(0.23, 0.35)).abs() < 0.03, "{expanded}");
+
+    let text = "[temperature]\nmachine_c = 23.5\npart_c = 26\npart_expansion_um_per_m_k = 23\npart_u_k = 0.5\n";
+    let both = predicted(&machine, &part(text)).unwrap();
+    let distance = &both.features[0];
+    let shrunk = 1e5 / (1.0 + 23e-6 * 6.0) - 1e5;
+    assert!((distance.uncorrected_um - grown - shrunk).abs() < 0.002, "{}", distance.uncorrected_um);
+    assert!((distance.corrected_um - shrunk).abs() < 1e-3, "{}", distance.corrected_um);
+    assert!((share(distance, "part temperature") - 100.0 * 23e-3 * 0.5).abs() < 0.03);
+    // The same by the function for any temperature.
+    let model = GrowthModel::of(&machine.0, None).unwrap();
+    let again = predicted(&machine, &part("").at_temperature(model, 23.5).unwrap()).unwrap();
+    assert_eq!(again.features[0].uncorrected_um, warm.features[0].uncorrected_um);
+}
+
+#[test]
+fn a_ramp_shifts_the_later_hole_by_what_the_record_says() {
+    let machine = machine("[axis.X.thermal]\noffset_um_per_k = 5\n");
+    let model = || GrowthModel::of(&machine.0, None).unwrap();
+    let rise = 1.0 / 60.0;
+    let growth = |start| Growth::recorded(model(), &read(&ramp(28_800.0, 100, rise)).unwrap(), start).unwrap();
+    for start in [Start::After(600.0), Start::At(29_400.0)] {
+        let of = predicted(&machine, &Part { growth: Some(growth(start)), ..part("") }).unwrap();
+        let between = 5.0 * rise * APART_S;
+        let was = (60.0 + 1e-3 * between).hypot(80.0);
+        let [distance, position] = &of.features[..] else { panic!() };
+        let wanted = 1e3 * (was - 100.0);
+        assert!((distance.uncorrected_um - wanted).abs() < 0.02, "{} for {wanted}", distance.uncorrected_um);
+        assert!(distance.corrected_um.abs() < 1e-5);
+        let wanted = 2.0 * 5.0 * rise * (600.0 + FIRST_S);
+        assert!((position.uncorrected_um - wanted).abs() < 0.05, "{} for {wanted}", position.uncorrected_um);
+        assert!(position.corrected_um.abs() < 1e-5);
+        let temperature = of.temperature.unwrap();
+        assert_eq!(temperature.start_s, Some(600.0));
+        let [first, last] = temperature.sensors[0].celsius;
+        assert!((first - 20.0 - rise * 602.0).abs() < 0.01, "{first}");
+        assert!((last - first - rise * (APART_S + 7.0)).abs() < 0.01, "{last}");
+    }
+}
+
+/// A limit of 8 µm leaves the rest of a growth of 10 µm.
+#[test]
+fn the_limit_of_an_axis_limits_the_thermal_compensation() {
+    let machine = machine("[axis.X.thermal]\noffset_um_per_k = 5\n[axis.X.limits]\nmagnitude_um = 8\n");
+    let of = predicted(&machine, &part("[temperature]\nmachine_c = 22\n")).unwrap();
+    let position = &of.features[1];
+    assert!((position.uncorrected_um - 20.0).abs() < 1e-3 && (position.corrected_um - 4.0).abs() < 1e-3);
+    assert!(of.warnings.iter().any(|note| note.contains("magnitude_um is 8")), "{:?}", of.warnings);
+}
+
+const THERMAL: &str = "reference_temperature_c = 20\n[[sensor]]\nname = \"T1\"\nlag_s = 900\nknots_c = [10, 40]\n\
+                       [[sensor]]\nname = \"T2\"\nknots_c = [10, 40]\n\
+                       [axis.X]\nuncertainty_um = 1.5\n[axis.X.sensor.T1]\noffset_um = [-100, 200]\n\
+                       [axis.X.sensor.T2]\nslope_um_per_m = [-50, 100]\n";
+
+/// θ = 20 °C + r (t − τ (1 − exp(−t/τ))): 10 µm/K behind its lag along X, and 5 µm/(m K) without one.
+#[test]
+fn a_thermal_toml_grows_behind_its_lags() {
+    let (machine, stated) = machine("[uncertainty]\nsensor_k = 0.1\n");
+    let rise = 1.0 / 60.0;
+    let mut text = String::from("t_s,cycle,spindle_rpm,T1_c,T2_c,T3_c\n");
+    for row in 0..60 {
+        let t = 20.0 * f64::from(row);
+        writeln!(text, "{t},0,0,{},{},21", 20.0 + rise * t, 20.0 + 0.5 * rise * t).unwrap();
+    }
+    let model = GrowthModel::of(&machine, Some((THERMAL, Path::new("thermal.toml")))).unwrap();
+    let growth = Growth::recorded(model, &read(&text).unwrap(), Start::After(300.0)).unwrap();
+    let of = predicted(&(machine, stated), &Part { growth: Some(growth), ..part("") }).unwrap();
+    let grown = |t: f64, x: f64| {
+        let lagged = rise * (t - 900.0 * (1.0 - (-t / 900.0).exp()));
+        10.0 * lagged + 0.005 * 0.5 * rise * t * x
+    };
+    let first = 300.0 + FIRST_S;
+    let [one, two] = [grown(first, 0.0), grown(first + APART_S, 60.0)];
+    let wanted = 1e3 * ((60.0 + 1e-3 * (two - one)).hypot(80.0) - 100.0);
+    let [distance, position] = &of.features[..] else { panic!() };
+    assert!((distance.uncorrected_um - wanted).abs() < 0.03, "{} for {wanted}", distance.uncorrected_um);
+    assert!((position.uncorrected_um - 2.0 * one).abs() < 0.05, "{} for {}", position.uncorrected_um, 2.0 * one);
+    assert!(distance.corrected_um.abs() < 1e-4 && position.corrected_um < 1e-4);
+    // A growth that is the same for both holes leaves their distance.
+    assert!(share(distance, "growth of X") < 1e-6 && share(position, "growth of X") > 1.0);
+    let budget = &position.known.as_ref().unwrap().budget;
+    let [model, sensor] =
+        ["growth of X", "temperature sensor T1"].map(|term| budget.iter().find(|one| one.term == term).unwrap().share);
+    assert!((sensor / model - (1.0_f64 / 1.5).powi(2)).abs() < 0.02, "{sensor} of {model}");
+    assert!(of.warnings.iter().any(|note| note.contains("does not take T3")), "{:?}", of.warnings);
+}
+
+#[test]
+fn records_that_say_too_little_are_refused() {
+    let grows = machine("[axis.X.thermal]\noffset_um_per_k = 5\n");
+    let still = machine("");
+    let error = |found: anyhow::Result<Growth>| format!("{:#}", found.unwrap_err());
+    let model = |thermal: Option<&str>| {
+        GrowthModel::of(&grows.0, thermal.map(|text| (text, Path::new("thermal.toml")))).unwrap()
+    };
+    // The last feature is cut until 123 s.
+    let short = Growth::recorded(model(None), &read(&ramp(0.0, 7, 0.01)).unwrap(), Start::After(100.0)).unwrap();
+    let refused = predicted(&grows, &Part { growth: Some(short), ..part("") }).unwrap_err().to_string();
+    for part in ["shift.csv:8", "t_s", "found the last row 120.0 s", "needed rows until 22", "starts at 100.0 s"] {
+        assert!(refused.contains(part), "{part}: {refused}");
+    }
+    let late = error(Growth::recorded(model(None), &read(&ramp(0.0, 7, 0.01)).unwrap(), Start::After(121.0)));
+    assert!(late.contains("shift.csv:8") && late.contains("a start within the record, 0 to 120 s"), "{late}");
+    for (record, parts) in [
+        ("t_s,machine_c\n0,20\n", &["shift.csv:1", "machine_c", "needed"][..]),
+        ("t_s\n0\n", &["shift.csv", "needed", "T1_c"]),
+        ("t_s,T1_c\n60,20\n0,20\n", &["shift.csv:3", "t_s", "at least 60"]),
+        ("t_s,T1_c\n0,2000\n", &["shift.csv:2", "T1_c", "degrees Celsius"]),
+    ] {
+        let refused = read(record).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| refused.contains(part)), "{parts:?}: {refused}");
+    }
+    let setup = part("[[setup]]\nname = \"back\"\nprogram = \"back.ngc\"\nat_mm = [0, 0, -50]\n");
+    let whole = Growth::recorded(model(None), &read(&ramp(0.0, 40, 0.01)).unwrap(), Start::After(100.0)).unwrap();
+    let refused = predicted(&grows, &Part { growth: Some(whole), ..setup }).unwrap_err().to_string();
+    assert!(refused.contains("part.toml:") && refused.contains("found the set-up back"), "{refused}");
+    let lacking = error(Growth::recorded(model(Some(THERMAL)), &read("t_s,T1_c\n0,20\n").unwrap(), Start::After(0.0)));
+    assert!(lacking.contains("shift.csv:1") && lacking.contains("needed the column T2_c"), "{lacking}");
+    let jumps = "t_s,T1_c,T2_c\n0,20,20\n60,20,40\n";
+    let jumps = error(Growth::recorded(model(Some(THERMAL)), &read(jumps).unwrap(), Start::After(0.0)));
+    assert!(jumps.contains("shift.csv:3") && jumps.contains("sensor T2 has jumped"), "{jumps}");
+    let spindle =
+        format!("{THERMAL}[axis.X.spindle]\ngrowth_um = [0, 5]\n[spindle]\nlag_s = 60\nknots_rpm = [0, 6000]\n");
+    let record = read("t_s,T1_c,T2_c\n0,20,20\n").unwrap();
+    let speed = error(Growth::recorded(model(Some(&spindle)), &record, Start::After(0.0)));
+    assert!(speed.contains("needed the column spindle_rpm"), "{speed}");
+
+    let refused = predicted(&still, &part("[temperature]\nmachine_c = 25\n")).unwrap_err().to_string();
+    assert!(refused.contains("needed a thermal.toml") && refused.contains("expansion_um_per_m_k"), "{refused}");
+    for (text, needed) in [
+        ("machine_c = 500", "needed -20 to 200 degrees Celsius"),
+        ("part_c = 25", "part_expansion_um_per_m_k"),
+        ("part_u_k = 1", "part_c"),
+        ("", "machine_c, or part_c"),
+        ("machine_k = 25", "machine_c"),
+    ] {
+        let text = format!("{PART}[temperature]\n{text}\n");
+        let refused = Part::read(&text, Path::new("part.toml")).unwrap_err().to_string();
+        assert!(refused.contains("part.toml:") && refused.contains(needed), "{needed}: {refused}");
+    }
+    let unknown = predicted(&grows, &part("[temperature]\nmachine_c = 22\n")).unwrap();
+    for key in ["uncertainty.sensor_k", "axis.X.uncertainty.growth_um"] {
+        assert!(unknown.not_stated.iter().any(|own| own == key), "{key}: {:?}", unknown.not_stated);
+    }
+}

@@ -1,0 +1,216 @@
+//! A part of thirty features on machines drawn from their stated uncertainties: circle, diamond, square and turned square in
+//! the manner of NAS 979 and ISO 10791-7, a plate of holes, bores.
+
+use super::measured::{along, circle, flatness, hole, line};
+use super::plant::{Errors, Known, Step, V, approaches, cut, program, run};
+use std::collections::BTreeMap;
+use std::path::Path;
+use trueaxis_evaluation::predict::{Options, Part, PredictDocument, predict};
+use trueaxis_sim::program::Program;
+use trueaxis_tables::Machine;
+use trueaxis_tables::files::Memory;
+use trueaxis_tables::uncertainty::Uncertainties;
+use trueaxis_testing::noise::Noise;
+use trueaxis_testing::share::share;
+
+const AT: V = [-60.0, -40.0, -30.0];
+const KNOWN: Known =
+    Known { shift: 0.4e-3, turn: 2e-6, square: [3e-6, 3e-6, 20e-6], scale: 4e-6, play: 0.8e-3, approach: 0.3e-3 };
+const MIDDLE: [f64; 2] = [60.0, 40.0];
+const FEATURES: usize = 30;
+
+/// A milled contour: corners about the middle, and their turn, degrees.
+const CONTOURS: [([f64; 2], f64); 3] = [([50.0, 0.0], 0.0), ([50.0, 50.0], 0.0), ([55.0, 55.0], 3.0)];
+
+/// Corner k of a contour.
+fn corner(contour: usize, k: usize) -> [f64; 2] {
+    let ([x, y], degrees) = CONTOURS[contour];
+    let (s, c) = (degrees + 90.0 * k as f64).to_radians().sin_cos();
+    let exact = [MIDDLE[0] + c * x - s * y, MIDDLE[1] + s * x + c * y];
+    exact.map(|q| (1e4 * q).round() * 1e-4)
+}
+
+fn holes() -> Vec<[f64; 2]> {
+    (0..9).map(|k| [20.0 + 40.0 * f64::from(k / 3), 10.0 + 30.0 * f64::from(k % 3)]).collect()
+}
+
+/// Centres and radii of the circles.
+const CIRCLES: [([f64; 2], f64); 6] = [
+    (MIDDLE, 30.0),
+    (MIDDLE, 45.0),
+    ([10.0, 10.0], 10.0),
+    ([110.0, 10.0], 10.0),
+    ([110.0, 70.0], 10.0),
+    ([10.0, 70.0], 10.0),
+];
+
+/// What a feature is: 0 is the top, then twelve edges, nine holes, six circles, two ribs.
+const EDGES: usize = 1;
+const HOLES: usize = EDGES + 12;
+const ROUND: usize = HOLES + 9;
+const RIBS: usize = ROUND + 6;
+
+fn steps() -> Vec<Step> {
+    let mut steps = vec![Step::Rapid([-5.0, 5.0, 20.0]), Step::Rapid([-5.0, 5.0, 0.0])];
+    for (k, y) in [5.0, 25.0, 45.0, 65.0].into_iter().enumerate() {
+        let [from, to] = if k % 2 == 0 { [-5.0, 125.0] } else { [125.0, -5.0] };
+        if k > 0 {
+            steps.push(Step::Line([from, y, 0.0], Some(0)));
+        }
+        steps.push(Step::Line([to, y, 0.0], Some(0)));
+    }
+    let edge = |steps: &mut Vec<Step>, [fx, fy]: [f64; 2], [tx, ty]: [f64; 2], feature: usize| {
+        steps.extend([Step::Rapid([fx, fy, 20.0]), Step::Rapid([fx, fy, -12.0])]);
+        steps.extend([Step::Line([tx, ty, -12.0], Some(feature)), Step::Rapid([tx, ty, 20.0])]);
+    };
+    for k in 0..12 {
+        edge(&mut steps, corner(k / 4, k % 4), corner(k / 4, (k + 1) % 4), EDGES + k);
+    }
+    for (k, [x, y]) in holes().into_iter().enumerate() {
+        steps.extend([Step::Rapid([x, y, 20.0]), Step::Rapid([x, y, 2.0])]);
+        steps.extend([Step::Line([x, y, -15.0], Some(HOLES + k)), Step::Rapid([x, y, 20.0])]);
+    }
+    for (k, ([x, y], radius)) in CIRCLES.into_iter().enumerate() {
+        steps.extend([Step::Rapid([x, y, 20.0]), Step::Line([x, y, -10.0], None)]);
+        steps.extend([Step::Line([x + radius, y, -10.0], None), Step::Turn([x, y, -10.0], ROUND + k)]);
+        steps.push(Step::Rapid([x + radius, y, 20.0]));
+    }
+    for k in 0..2 {
+        let y = 30.0 + 20.0 * k as f64;
+        edge(&mut steps, [20.0, y], [100.0, y], RIBS + k);
+    }
+    steps
+}
+
+/// A tolerance: its feature, kind, datum or the feature a distance starts from.
+type Of = (usize, &'static str, Option<usize>);
+
+fn tolerances() -> Vec<Of> {
+    let mut all = vec![(0, "flatness", None)];
+    all.extend((EDGES..HOLES).step_by(3).chain(RIBS..FEATURES).map(|k| (k, "straightness", None)));
+    for first in (EDGES..HOLES).step_by(4) {
+        all.extend([(first + 1, "perpendicularity", Some(first)), (first + 2, "parallelism", Some(first))]);
+    }
+    // The turned square to the square, the diamond to it.
+    all.extend([(EDGES + 8, "angularity", Some(EDGES + 4)), (EDGES + 4, "angularity", Some(EDGES))]);
+    all.extend((HOLES..ROUND).map(|k| (k, "position", None)));
+    all.extend([(HOLES + 8, "distance", Some(HOLES)), (HOLES + 2, "distance", Some(HOLES + 6))]);
+    all.extend((ROUND..RIBS).flat_map(|k| [(k, "size", None), (k, "roundness", None)]));
+    all.push((RIBS + 1, "parallelism", Some(RIBS)));
+    all
+}
+
+fn part(steps: &[Step]) -> String {
+    let cuts = |step: &Step, feature: usize| match step {
+        Step::Line(_, own) => *own == Some(feature),
+        Step::Turn(_, own) => *own == feature,
+        Step::Rapid(_) => false,
+    };
+    let mut text = format!("name = \"thirty\"\nat_mm = {AT:?}\n");
+    for feature in 0..FEATURES {
+        let kind = match feature {
+            0 => "plane",
+            HOLES..ROUND => "hole",
+            ROUND..RIBS => "circle",
+            _ => "line",
+        };
+        let of = |step: &Step| cuts(step, feature);
+        let [from, to] = [steps.iter().position(of), steps.iter().rposition(of)].map(|at| at.unwrap() + 2);
+        text += &format!("[[feature]]\nname = \"f{feature}\"\nkind = \"{kind}\"\nlines = [{from}, {to}]\n");
+    }
+    for (feature, kind, datum) in tolerances() {
+        let rest = match (kind, datum) {
+            ("size", _) => String::from("limits_um = [-4, 4]"),
+            ("distance", Some(from)) => format!("from = \"f{from}\"\nlimits_um = [-9, 9]"),
+            (_, Some(datum)) => format!("datums = [\"f{datum}\"]\nwidth_um = 9"),
+            _ => String::from("width_um = 9"),
+        };
+        text += &format!("[[tolerance]]\nfeature = \"f{feature}\"\nkind = \"{kind}\"\n{rest}\n");
+    }
+    text
+}
+
+fn predicted(steps: &[Step], trials: u64) -> PredictDocument {
+    let files = Memory::new(Errors::stated().files(Some(&KNOWN)));
+    let toml = Path::new("machine.toml");
+    let machine = Machine::read_from(&files, toml, &mut |_| {}).unwrap();
+    let stated = Uncertainties::read_from(&files, toml).unwrap();
+    let program = Program::parse("thirty", &program(steps), "thirty.ngc").unwrap();
+    let part = Part::read(&part(steps), Path::new("part.toml")).unwrap();
+    predict(&machine, &stated, &program, &part, Options { trials, seed: 11 }).unwrap()
+}
+
+/// Measures the tolerances of a part, µm.
+fn measure(features: &[Vec<[V; 2]>]) -> Vec<f64> {
+    let apart = |[ax, ay]: [f64; 2], [bx, by]: [f64; 2]| (ax - bx).hypot(ay - by);
+    let value = |(feature, kind, datum): Of| {
+        let own = &features[feature];
+        // The datum's direction, as cut and as programmed; from end to end as the program runs.
+        let [[ux, uy], [wx, wy]] = datum.filter(|_| kind != "distance").map_or([[1.0, 0.0]; 2], |datum| {
+            let of = &features[datum];
+            let [start, end] = [of[0][1], of[of.len() - 1][1]];
+            let whole = apart([start[0], start[1]], [end[0], end[1]]);
+            let was = [(end[0] - start[0]) / whole, (end[1] - start[1]) / whole];
+            let is = line(of).1;
+            [if is[0] * was[0] + is[1] * was[1] < 0.0 { is.map(|q| -q) } else { is }, was]
+        });
+        match kind {
+            "flatness" => flatness(own),
+            "straightness" => line(own).2,
+            "perpendicularity" => along(own, [ux, uy]),
+            "parallelism" => along(own, [-uy, ux]),
+            "angularity" => {
+                let [start, end] = [own[0][1], own[own.len() - 1][1]];
+                let whole = apart([start[0], start[1]], [end[0], end[1]]);
+                let [nx, ny] = [-(end[1] - start[1]) / whole, (end[0] - start[0]) / whole];
+                // Turned by as much as the datum is.
+                let [c, s] = [ux * wx + uy * wy, uy * wx - ux * wy];
+                along(own, [c * nx - s * ny, s * nx + c * ny])
+            }
+            "position" => 2.0 * apart(hole(own), holes()[feature - HOLES]),
+            "distance" => {
+                let [from, to] = [datum.unwrap(), feature].map(|k| (hole(&features[k]), holes()[k - HOLES]));
+                apart(from.0, to.0) - apart(from.1, to.1)
+            }
+            "size" => circle(own, CIRCLES[feature - ROUND].0).1 - 2.0 * CIRCLES[feature - ROUND].1,
+            _ => circle(own, CIRCLES[feature - ROUND].0).2,
+        }
+    };
+    tolerances().into_iter().map(|of| 1e3 * value(of)).collect()
+}
+
+/// With `TRUEAXIS_TEST_SHARE=1` 1,000 machines, 10,000 draws, and 95 ± 2 % of each kind of feature within its intervals; a
+/// zone as wide as the upper end of its interval still conforms, and 2.5 % of the parts may be wider.
+#[test]
+fn each_kind_of_thirty_features_is_within_its_intervals() {
+    let steps = steps();
+    let parts = share(1000).min(1000);
+    let found = predicted(&steps, if parts == 1000 { 10_000 } else { 400 });
+    let machine = Errors::stated();
+    let places = run(&steps, AT, &machine, true);
+    let mut kinds: BTreeMap<&str, [usize; 3]> = BTreeMap::new();
+    for number in 0..parts {
+        let mut noise = Noise::new(40_000 + number as u64);
+        let drawn = machine.drawn(&KNOWN, &mut noise);
+        let off = approaches(FEATURES, &KNOWN, &mut noise);
+        for (value, of) in measure(&cut(&places, AT, &drawn, &off)).into_iter().zip(&found.features) {
+            let interval = of.known.as_ref().unwrap().interval_um;
+            let counts = kinds.entry(of.kind).or_default();
+            counts[0] += 1;
+            counts[1] += usize::from(interval.contains(value));
+            counts[2] += usize::from(value > interval.high);
+        }
+    }
+    // The tolerances of one machine go up and down together: in the worst case a kind counts each machine once.
+    let chance = |share: f64| 3.5 * (share * (1.0 - share) / parts as f64).sqrt();
+    let [most, above] =
+        if parts == 1000 { [0.02, 0.025 + chance(0.025)] } else { [0.015 + chance(0.95), 0.03 + chance(0.025)] };
+    for (kind, [count, held, beyond]) in &kinds {
+        let [held, beyond] = [held, beyond].map(|of| 100.0 * *of as f64 / *count as f64);
+        println!("{kind:<18}{count:>6} {held:>6.1} %, above {beyond:.1} %");
+    }
+    for (kind, [count, held, beyond]) in kinds {
+        let [held, beyond] = [held, beyond].map(|of| of as f64 / count as f64);
+        assert!((held - 0.95).abs() < most && beyond < above, "{kind}: {held}, above {beyond}");
+    }
+}
