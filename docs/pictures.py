@@ -141,7 +141,7 @@ def python():
         "import nbformat, sys; from nbclient import NotebookClient; "
         "NotebookClient(nbformat.read(sys.argv[1], 4), timeout=900, resources={'metadata': {'path': '.'}}).execute()"
     )
-    for folder, name in ((package, "notebook.ipynb"), (package / "fleet", "fleet.ipynb")):
+    for folder, name in ((package, "notebook.ipynb"), (package / "fleet", "fleet.ipynb"), (package / "fleet", "part.ipynb")):
         run(TARGET / "python/bin/python", "-c", code, name, cwd=folder)
 
 

@@ -113,9 +113,11 @@ fn the_sample_part_as_document_table_and_page() {
     assert_eq!(features.len(), 9);
     let text = folder.good(&call);
     let page = folder.read("page/predict.html");
-    for part in ["Deviations and tolerances", "share of the tolerance in %", "95 % of draws"] {
+    let shown = ["Deviations and tolerances", "share of the tolerance in %", "95 % of draws", "deviations magnified"];
+    for part in shown {
         assert!(page.contains(part), "{part}");
     }
+    picture_of_the_documents(&page);
     for feature in features {
         let budget = feature["budget"].as_array().unwrap();
         let share = |one: &Value| one["share"].as_f64().unwrap();
@@ -132,6 +134,25 @@ fn the_sample_part_as_document_table_and_page() {
     }
     let other = folder.json(&[&call[..], &["--json", "--seed", "2"]].concat());
     assert_ne!(other["features"][0]["expanded_um"], document["features"][0]["expanded_um"]);
+}
+
+/// The picture in the documents is the page's.
+fn picture_of_the_documents(page: &str) {
+    let (_, part) = page.split_once("Part with its deviations").unwrap();
+    let (_, part) = part.split_once("<svg").unwrap();
+    let (part, _) = part.split_once("</svg>").unwrap();
+    for label in ["bore ?", "hole 3 ✓", "front ✓"] {
+        assert!(part.contains(label), "{label}");
+    }
+    // As a file of its own, on white paper.
+    let (root, drawn) = part.split_once('>').unwrap();
+    let svg = format!("<svg{root}>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{drawn}</svg>\n")
+        .replace("><", ">\n<");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/predict.svg");
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        std::fs::write(&file, &svg).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), svg, "UPDATE_DOCS=1 writes docs/predict.svg");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 """Sweeps on Dask: any number of workers gives the same table, a refusal affects one row, other tools read the Parquet files."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -124,3 +125,19 @@ def test_telemetry_is_read_by_others(tmp_path):
         assert np.abs(drive - sent[f"{axis}_drive_mm"]).max() < 5e-9
     largest = duckdb.sql(f"select max(abs(tip_error_mm)) from '{table}' where fault = 0").fetchall()[0][0]
     assert largest == found.tip_error_mm.abs().max() > 0.0
+
+
+def test_which_machines_may_cut_a_part(tmp_path, monkeypatch):
+    monkeypatch.setenv("TRUEAXIS_FLEET", "8")
+    folder = tmp_path / "crates" / "trueaxis-py" / "fleet"
+    folder.mkdir(parents=True)
+    shutil.copytree(HERE.parents[1] / "records" / "plate", tmp_path / "records" / "plate")
+    shutil.copy(HERE / "fleet" / "volumes.py", folder)
+    notebook = nbformat.read(HERE / "fleet" / "part.ipynb", as_version=4)
+    assert all(not cell.get("outputs") for cell in notebook.cells)
+    NotebookClient(notebook, timeout=900, resources={"metadata": {"path": str(folder)}}).execute()
+    assert (folder / "figures" / "part.png").stat().st_size > 10_000
+    said = "".join(output.get("text", "") for cell in notebook.cells for output in cell.get("outputs", []))
+    found = re.search(r"(\d+) of 8 machines may cut the plate; the best is mill-0000\d", said)
+    # Some may and some may not.
+    assert found and 0 < int(found[1]) < 8

@@ -96,6 +96,7 @@ export class Part {
 
   open({ request, sample }: ViewState): void {
     if (!request) return this.nothing(NOTHING);
+    this.found = undefined;
     this.request = structuredClone(request);
     this.isSample = sample;
     for (const key of ["trials", "seed"] as const) this.fields[key].value = request[key];
@@ -166,6 +167,8 @@ export class Part {
       const asked = JSON.stringify(request);
       const [said, range] = await Promise.all([desk.runs.call("predict", desk.machine.json, asked), desk.bench.call("predict_keep", desk.machine.json, asked)]);
       if (turn !== this.latest) return;
+      const before = this.found?.document.features[this.chosen];
+      const chosen = before && titled(before);
       this.found = JSON.parse(said) as Predicted;
       this.range = JSON.parse(range) as Range;
       desk.clear();
@@ -175,7 +178,9 @@ export class Part {
       this.results.hidden = false;
       this.moved.textContent = "";
       this.sliding(this.found.document.at_mm);
-      this.chosen = this.found.used.indexOf(Math.max(...this.found.used));
+      const { features } = this.found.document;
+      const kept = features.findIndex((of) => titled(of) === chosen);
+      this.chosen = kept >= 0 ? kept : this.found.used.indexOf(Math.max(...this.found.used));
       this.show(this.found);
       this.explain();
       showTables(this.notes, { ...shown, tables: [] });
@@ -243,8 +248,10 @@ export class Part {
         const [at, turn] = [this.wanted, this.latest];
         this.wanted = undefined;
         const there = JSON.parse(await this.desk.bench.call("predict_at", ...at)) as There;
-        if (turn !== this.latest && !this.wanted) continue;
-        this.found = { ...this.found!, ...there, document: { ...there.document, features: there.document.features.map((of, k) => ({ ...of, budget: this.found!.document.features[k]?.budget ?? [] })) } };
+        const { found } = this;
+        if (!found || (turn !== this.latest && !this.wanted)) continue;
+        const features = there.document.features.map((of, k) => ({ ...of, budget: found.document.features[k]?.budget ?? [] }));
+        this.found = { ...found, ...there, document: { ...there.document, features } };
         this.moved.textContent = "While it moves: exact values, the scatter of the place before. At rest it is predicted anew.";
         this.show(this.found);
       }

@@ -69,7 +69,7 @@ export class Picture {
       scene.cones(own.flatMap((k) => shape.points_mm[k]!), vectors, colour, magnification * 1e-3, size * 0.008);
       const marked = shape.feature === this.chosen;
       if (marked || shape.kind === "hole") scene.points(new Float32Array(shape.points_mm.flat()), colour, marked ? 7 : 5);
-      scene.label(shape.points_mm[0]!, `${sign} ${shape.feature}`.trim());
+      scene.label(shape.points_mm[Math.floor(shape.points_mm.length / 2)]!, `${sign} ${shape.feature}`.trim());
     }
     scene.draw();
     this.caption.textContent = `Part, ${this.which.value === "corrected_um" ? "corrected" : "uncorrected"}: deviations magnified ${magnification.toLocaleString("en")} times, at most ${largest.toFixed(1)} µm uncorrected`;

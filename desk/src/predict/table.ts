@@ -49,7 +49,7 @@ class Row {
     const { colour, sign, text } = VERDICTS[of.verdict ?? "unknown"];
     const [least, most] = of.limits_um;
     const values = [
-      [least, most].flatMap((um) => (um === null ? [] : [significant(um, 4)])).join(" to "),
+      [least, most].flatMap((um) => (um === null ? [] : [String(Number(um.toPrecision(6))).replace("-", "−")])).join(" to "),
       cell(of.uncorrected_um, 2),
       cell(of.corrected_um, 2),
       cell(of.expanded_um, 2),
@@ -59,9 +59,9 @@ class Row {
     for (const [k, value] of values.entries()) {
       const own = this.cells[k]!;
       own.textContent = typeof value === "string" ? value : value.text;
-      if (typeof value === "string") continue;
-      own.className = "number";
-      own.dataset.value = String(value.value);
+      own.className = typeof value === "string" ? "" : "number";
+      if (typeof value === "string") delete own.dataset.value;
+      else own.dataset.value = String(value.value);
     }
     this.bar.replaceChildren(bar(of, `var(--${colour})`));
   }

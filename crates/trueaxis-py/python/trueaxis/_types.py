@@ -2644,6 +2644,8 @@ class Predicted(Section):
         Predicted value without correction.
     corrected_um : float
         Predicted value with the machine's correction.
+    everything_um : float | None
+        Predicted value with the servo and all that the machine configures against its error; absent without a run.
     limits_um : tuple[float | None, ...]
         Least and greatest value that the tolerance permits; a zone has no least.
     expanded_um : float | None
@@ -2667,6 +2669,7 @@ class Predicted(Section):
     datums: tuple[str, ...]
     uncorrected_um: float
     corrected_um: float
+    everything_um: float | None
     limits_um: tuple[float | None, ...]
     expanded_um: float | None
     interval_um: Interval | None
@@ -2674,6 +2677,98 @@ class Predicted(Section):
     verdict: str | None
     parts_cut: int | None
     budget: tuple[Contribution, ...] | None
+
+
+class SensorTemperature(Section):
+    """Temperatures of a sensor.
+
+    Attributes
+    ----------
+    name : str
+        Its name; `machine` if the temperature is constant.
+    celsius : NDArray[np.float64]
+        At the first and last cut.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    name: str
+    celsius: NDArray[np.float64]
+
+
+class AxisGrowth(Section):
+    """Growth of an axis where the part is.
+
+    Attributes
+    ----------
+    axis : str
+        Letter of the axis.
+    unit : str
+        `um` or `urad`.
+    growth : NDArray[np.float64]
+        At the first and last cut.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    axis: str
+    unit: str
+    growth: NDArray[np.float64]
+
+
+class PredictedPartTemperature(Section):
+    """Temperatures while a part is cut.
+
+    Attributes
+    ----------
+    record : str | None
+        The record; absent at a constant temperature.
+    start_s : float | None
+        Start of the program after the record's first row.
+    cut_s : NDArray[np.float64] | None
+        First and last cut of a feature after the start of the program.
+    sensors : tuple[SensorTemperature, ...]
+        Temperatures of the machine at the first and last cut; none if only the part's counts.
+    growth : tuple[AxisGrowth, ...]
+        Growth of the machine at the first and last cut.
+    part_c : float | None
+        Temperature of the part.
+    part_expansion_um_per_m_k : float | None
+        Expansion of the part.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {"sensors": SensorTemperature, "growth": AxisGrowth}
+    record: str | None
+    start_s: float | None
+    cut_s: NDArray[np.float64] | None
+    sensors: tuple[SensorTemperature, ...]
+    growth: tuple[AxisGrowth, ...]
+    part_c: float | None
+    part_expansion_um_per_m_k: float | None
+
+
+class Servo(Section):
+    """How the servo was simulated.
+
+    Attributes
+    ----------
+    rate_hz : float
+        Servo rate.
+    machines : tuple[str, ...]
+        Simulated machines, by how they are driven.
+    simulated_s : float
+        Simulated time of each machine.
+    moves : NDArray[np.int64]
+        Moves simulated, and moves of the programs.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    rate_hz: float
+    machines: tuple[str, ...]
+    simulated_s: float
+    moves: NDArray[np.int64]
 
 
 class Measurement(Section):
@@ -2871,6 +2966,10 @@ class PredictedPart(Budgeted):
         Seed of the draws.
     features : tuple[Predicted, ...]
         A toleranced characteristic each, in the order of the part.
+    temperature : PredictedPartTemperature | None
+        Temperatures while the part is cut, where they are known.
+    servo : Servo | None
+        The runs of the servo; `uncorrected_um` and `corrected_um` include its error then.
     not_stated : tuple[str, ...]
         Keys of the machine that are not stated; their uncertainty counts as zero.
     warnings : tuple[str, ...]
@@ -2880,7 +2979,7 @@ class PredictedPart(Budgeted):
     """
 
     __slots__ = ()
-    _sections: ClassVar[dict[str, type[Section]]] = {"features": Predicted, "advice": Advice}
+    _sections: ClassVar[dict[str, type[Section]]] = {"features": Predicted, "temperature": PredictedPartTemperature, "servo": Servo, "advice": Advice}
     part: str
     program: str
     machine: str
@@ -2889,6 +2988,8 @@ class PredictedPart(Budgeted):
     trials: int
     seed: int
     features: tuple[Predicted, ...]
+    temperature: PredictedPartTemperature | None
+    servo: Servo | None
     not_stated: tuple[str, ...]
     warnings: tuple[str, ...]
     advice: Advice | None
