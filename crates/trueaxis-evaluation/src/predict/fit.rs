@@ -1,9 +1,9 @@
 //! Least-squares features through the points that are cut (ISO 14405-1, ISO 12180 to 12781: association by least squares).
 
+use super::circle::{Circle, NEAR, circle_through};
 use super::cut::Cut;
 use super::gear::Traces;
-use super::locate::{Circle, NEAR, circle_through};
-use super::part::FeatureKind;
+use super::kinds::FeatureKind;
 use super::profile::Outline;
 use anyhow::{Result, anyhow};
 use glam::{DMat3, DVec3};

@@ -8,7 +8,7 @@
 
 use super::cut::{Cut, Point};
 use super::fit::Nominal;
-use super::part::FeatureKind;
+use super::kinds::{FeatureKind, Side};
 use crate::calibrate::ranges::number;
 use crate::uncertainty::terms::{Effect, Term};
 use anyhow::Result;
@@ -100,19 +100,6 @@ impl Tool {
         section.finish(None)?;
         Ok(Tool { name, length, radius })
     }
-}
-
-/// Where the tool is on a circle, or on which side of a line's path the material is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// A bore.
-    Inside,
-    /// A boss.
-    Outside,
-    /// Material to the left of the path.
-    Left,
-    /// Material to the right of the path.
-    Right,
 }
 
 impl Side {

@@ -11,7 +11,7 @@
 //!
 //! Sources: ISO 21771:2007 (gear data); ISO 1328-1:2013, 5.3 (tolerances of the classes).
 
-use super::locate::NEAR;
+use super::circle::NEAR;
 use crate::calibrate::ranges::number;
 use glam::DVec3;
 use trueaxis_metrology::helicoid::{Flank, Gear, GearData, Helicoid};

@@ -2,6 +2,19 @@
 
 use super::gear::FlankDeviation;
 
+/// Where the tool is on a circle, or on which side of a line's path the material is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// A bore.
+    Inside,
+    /// A boss.
+    Outside,
+    /// Material to the left of the path.
+    Left,
+    /// Material to the right of the path.
+    Right,
+}
+
 /// Kind of a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeatureKind {

@@ -1,32 +1,18 @@
 //! Features in a program: the moves that cut them, in workpiece coordinates.
 
+use super::circle::{Circle, NEAR};
 use super::cut::Cut;
-use super::part::{Feature, FeatureKind, Part};
+use super::kinds::FeatureKind;
+use super::part::{Feature, Part};
 use anyhow::Result;
 use glam::{DMat3, DVec3};
 use trueaxis_sim::placement::Placement;
 use trueaxis_sim::program::{Curve, Move, Program, ProgramError, Turn};
 
-/// Distance below which programmed points are equal, mm: the rounding of a program.
-pub(super) const NEAR: f64 = 2e-3;
 /// Sine of the angle by which a drilled hole may deviate from its direction: the rounding of rotary words.
 const ASIDE: f64 = 1e-6;
 /// Chords by which the length of a path is measured that is not a curve of the program.
 const CHORDS: usize = 64;
-
-/// A programmed circle.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Circle {
-    pub(super) centre: DVec3,
-    pub(super) radius: f64,
-}
-
-impl Circle {
-    /// Whether another circle is the same within the rounding of a program.
-    pub(super) fn is_near(&self, other: &Circle) -> bool {
-        (self.centre - other.centre).length() <= NEAR && (self.radius - other.radius).abs() <= NEAR
-    }
-}
 
 /// The circle of an arc; none for another curve or a helix.
 pub(super) fn circle_of(step: &Move) -> Option<Circle> {
@@ -79,26 +65,6 @@ fn circle_on_workpiece(placement: &Placement, step: &Move) -> Option<Circle> {
     let start = placement.place(step, first).tip - placement.zero();
     let centre = start + directions(placement, step) * (centre - DVec3::from(step.curve.position(first)));
     Some(Circle { centre, radius })
-}
-
-/// The circle through points, with its normal; none if they are within a millimetre of a line.
-pub(super) fn circle_through(points: &[DVec3]) -> Option<(Circle, DVec3)> {
-    let farthest = |distance: &dyn Fn(DVec3) -> f64| {
-        points.iter().copied().max_by(|one, other| distance(*one).total_cmp(&distance(*other)))
-    };
-    let one = *points.first()?;
-    let other = farthest(&|point| (point - one).length())?;
-    let along = (other - one).try_normalize()?;
-    let from_line = |point: DVec3| (point - one).reject_from_normalized(along).length();
-    let third = farthest(&from_line)?;
-    let (a, b) = (other - one, third - one);
-    let normal = a.cross(b);
-    if from_line(third) < 1.0 {
-        return None;
-    }
-    let to_centre =
-        (b.length_squared() * normal.cross(a) + a.length_squared() * b.cross(normal)) / (2.0 * normal.length_squared());
-    Some((Circle { centre: one + to_centre, radius: to_centre.length() }, normal.normalize()))
 }
 
 /// A feature without its points, from the moves of its lines.

@@ -23,6 +23,7 @@
 mod advise;
 mod characteristic;
 mod chords;
+mod circle;
 mod cut;
 mod document;
 mod find;
@@ -36,6 +37,7 @@ mod locate;
 mod part;
 mod profile;
 mod room;
+mod run;
 mod servo;
 mod shape;
 mod shown;
@@ -52,11 +54,11 @@ pub use advise::{
 };
 pub use document::{Contribution, Known, PredictDocument, Predicted};
 pub use find::{Found, LeftOut, find, sections};
-pub use fixture::{Setup, Side, Tool};
+pub use fixture::{Setup, Tool};
 pub use gear::{FlankDeviation, GearFlank};
 pub use inputs::{PartFiles, own_task};
 pub use live::{Live, There};
-pub use part::{Association, Characteristic, Feature, FeatureKind, Part, Tolerance};
+pub use part::{Association, Characteristic, Feature, FeatureKind, Part, Side, Tolerance};
 pub use servo::ServoDocument;
 pub use shape::{Shape, shapes};
 pub use temperature::{
@@ -186,7 +188,7 @@ impl Prepared {
             return Err(part.wrong(setup.line, found, "constant temperatures, machine_c, for several set-ups").into());
         }
         let warm = growth.as_deref().map(|growth| Warm::new(growth, (machine, part.at_mm), program)).transpose()?;
-        let (mut cuts, clipped) = cut::features(machine, program, part, warm.as_ref())?;
+        let (mut cuts, clipped) = run::features(machine, program, part, warm.as_ref())?;
         settle_profiles(program, part, &mut cuts)?;
         let nominal = nominal(program, part, &cuts)?;
         characteristic::check(part, &nominal)?;

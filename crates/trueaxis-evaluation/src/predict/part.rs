@@ -1,9 +1,9 @@
 //! `PART.toml`: where a part stands, its features by lines of the program, and its tolerances.
 
 use super::advise::instrument::{Instrument, Touching, read_instrument, read_probe};
-use super::fixture::{Setup, Side, Tool, named};
+use super::fixture::{Setup, Tool, named};
 use super::gear::{self, GearFlank};
-pub use super::kinds::{Association, Characteristic, FeatureKind};
+pub use super::kinds::{Association, Characteristic, FeatureKind, Side};
 use super::temperature::{Growth, GrowthModel, PartTemperature, read_temperature};
 use crate::calibrate::ranges::number;
 use std::borrow::Cow;

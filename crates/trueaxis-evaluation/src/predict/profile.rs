@@ -8,8 +8,8 @@
 //! Where short moves approximate a curve, their ends are evaluated, with the mean direction of the two moves that meet: the
 //! difference between chords and curve is the programming's, and excluded.
 
+use super::circle::NEAR;
 use super::cut::{Cut, Point};
-use super::locate::NEAR;
 use glam::DVec3;
 
 /// Points of a profile: mm between them, least and most of them.

@@ -1,7 +1,7 @@
 //! How far a part can be moved.
 
 use super::Part;
-use super::cut::parameters;
+use super::run::parameters;
 use anyhow::{Result, anyhow};
 use trueaxis::machine::Axis;
 use trueaxis_sim::placement::Placement;

@@ -2,8 +2,8 @@
 
 use super::path::{Piece, corners, direction, ends, normal};
 use crate::predict::chords::circle_of_chords;
+use crate::predict::circle::NEAR;
 use crate::predict::kinds::FeatureKind;
-use crate::predict::locate::NEAR;
 use glam::DVec3;
 use std::f64::consts::TAU;
 use trueaxis_sim::program::{Curve, Move};

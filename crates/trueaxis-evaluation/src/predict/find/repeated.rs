@@ -2,8 +2,9 @@
 
 use super::path::{Piece, corners, direction, distance, normal};
 use crate::predict::chords::circle_of_chords;
+use crate::predict::circle::{Circle, NEAR};
 use crate::predict::kinds::FeatureKind;
-use crate::predict::locate::{Circle, NEAR, circle_of};
+use crate::predict::locate::circle_of;
 use glam::DVec3;
 use trueaxis_report::number::shortest;
 use trueaxis_sim::program::Move;

@@ -1,8 +1,8 @@
 //! Passes side by side that cut one surface.
 
 use super::path::{Piece, corners, distance, normal};
+use crate::predict::circle::NEAR;
 use crate::predict::kinds::FeatureKind;
-use crate::predict::locate::NEAR;
 use glam::DVec3;
 use trueaxis_sim::program::Move;
 
