@@ -232,6 +232,45 @@ fn the_features_of_the_sample_part_are_found_and_can_be_predicted() {
     assert_eq!(with_found, value(&folder.json(&call)));
 }
 
+/// The file's sections are unfinished: an unknown kind, a tolerance of a feature that there is not, a key without a value.
+#[test]
+fn features_are_found_for_an_unfinished_part_and_repeated_passes_are_named() {
+    let folder = Folder::new(TRUEAXIS);
+    let program = "G21 G90 G17 G94 F200\nG0 X0 Y0 Z10\nG81 X40 Y20 Z-1 R2\nG81 X40 Y20 Z-5 R2\nG80\nM2\n";
+    let head = &PART[..PART.find("[[feature]]").unwrap()];
+    let unfinished = "[[feature]]\nname = \"one\"\nkind = \"slot\"\n[[tolerance]]\nfeature = \"none\"\nwidth_um =\n";
+    write(&folder, OTHERS, program, &format!("{head}{unfinished}"));
+    let found = folder.good(&["predict", ".", "part.toml", "--find"]);
+    let wanted = "# line 3 left out: the same hole, cut before hole 1\n[[feature]]\nname = \"hole 1\"\nkind = \"hole\"\n\
+                  lines = [4, 4]\n";
+    assert_eq!(found, wanted);
+    folder.bad(&["predict", ".", "part.toml"], &["part.toml:9"]);
+    write(&folder, OTHERS, program, unfinished);
+    folder.bad(&["predict", ".", "part.toml", "--find"], &["part.toml: key program: found nothing"]);
+}
+
+/// Squareness makes an ellipse of the circle: its roundness is C0Y times the diameter, by either association.
+#[test]
+fn the_association_of_a_form_is_in_document_and_table() {
+    let folder = Folder::new(TRUEAXIS);
+    let program = "G21 G90 G17 G94 F200\nG0 X120 Y100 Z0\nG3 X120 I-20 J0\nM2\n";
+    let head = &PART[..PART.find("[[feature]]").unwrap()];
+    let tolerance = "[[tolerance]]\nfeature = \"ring\"\nkind = \"roundness\"\nwidth_um = 5\n";
+    let part = format!(
+        "{head}[[feature]]\nname = \"ring\"\nkind = \"circle\"\nlines = [3, 3]\n{tolerance}association = \"minimum zone\"\n\
+         {tolerance}"
+    );
+    write(&folder, &format!("{OTHERS}[location]\nC0Y_urad = 50\n"), program, &part);
+    let document = folder.json(&["predict", ".", "part.toml", "--json"]);
+    for (k, association) in ["minimum zone", "least squares"].into_iter().enumerate() {
+        let of = &document["features"][k];
+        assert_eq!(of["association"], association);
+        assert!((of["uncorrected_um"].as_f64().unwrap() - 1e3 * 40.0 * 50e-6).abs() < 0.01, "{document}");
+    }
+    let text = folder.good(&["predict", ".", "part.toml"]);
+    assert!(text.contains("ring, roundness, minimum zone") && text.contains("ring, roundness "), "{text}");
+}
+
 /// Scale of X and squareness within 5 ppm and 5 µrad: over 60 mm of X and 80 mm of Y the distance of 100 mm has derivatives of
 /// 36 mm and 48 mm. Either alone leaves more than 0.3 µm.
 const TWO_TERMS: &str = "[axis.X.uncertainty]\nscale_ppm = 5\n[uncertainty.location]\nC0Y_urad = 5\n";
@@ -467,6 +506,39 @@ fn advice_without_what_it_needs_is_refused() {
     assert!(text.contains("not compared, ballbar XY: found X at") && text.contains("square XY"), "{text}");
     let advice = folder.json(&["predict", ".", "part.toml", "--advise", "--json"])["advice"].clone();
     assert_eq!(advice["compared"], serde_json::json!(["laser along X", "square XY"]), "{advice}");
+}
+
+/// X and Y still settle when the strokes begin, which moves the middle of a hole by a fraction of a micrometre.
+#[test]
+fn the_servo_is_simulated_where_the_machine_states_its_drives() {
+    let folder = Folder::new(TRUEAXIS);
+    let drive = |axis: &str| {
+        format!(
+            "[axis.{axis}.drive]\nposition_gain_per_s = 80\nvelocity_gain_per_s = 600\nreset_time_s = 0.01\n\
+             lowest_resonance_hz = 1000\n"
+        )
+    };
+    write(&folder, &format!("{OTHERS}[location]\nC0Y_urad = 50\n"), PROGRAM, PART);
+    let call = ["predict", ".", "part.toml", "--servo", "--rate-hz", "2000"];
+    folder.bad(&call, &["small: key axis.X.drive: found nothing", "needed position_gain_per_s"]);
+    let drives = ["X", "Y", "Z"].map(drive).join("");
+    write(&folder, &format!("{OTHERS}[location]\nC0Y_urad = 50\n{drives}"), PROGRAM, PART);
+    let document = folder.json(&[&call[..], &["--json"]].concat());
+    assert!((um(&document, "uncorrected_um") + 2.4).abs() < 0.6, "{document}");
+    let corrected = um(&document, "corrected_um");
+    assert!(corrected.abs() < 0.6 && corrected.abs() > 0.01, "{document}");
+    // Nothing acts on the servo.
+    assert_eq!(um(&document, "everything_um"), corrected);
+    assert_eq!(document["servo"]["rate_hz"], 2000.0);
+    let text = folder.good(&call);
+    for part in
+        ["everything on", "uncertainty of the drives, temperature while cutting, tool and process are not included"]
+    {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    folder.bad(&["predict", ".", "part.toml", "--rate-hz", "2000"], &["--servo"]);
+    folder.bad(&["predict", ".", "part.toml", "--servo", "--rate-hz", "10"], &["rate_hz", "100"]);
+    folder.bad(&[&call[..], &["--advise"]].concat(), &["cannot be used with"]);
 }
 
 /// The spindle end of X grows by 4 µm/K; the second hole is drilled later and warmer.

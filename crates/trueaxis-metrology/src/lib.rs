@@ -15,7 +15,7 @@
 //! - [`calibration`]: terms of a machine from probe touches on artefacts of known size.
 //! - [`cores`]: parallel iterators on multi-core hosts; [`order`]: sorting by a number.
 //! - [`learning`]: a correction over path length, learned from part to part.
-//! - [`circles`]: exact reference circles (LSC, MZC, MIC, MCC).
+//! - [`circles`]: exact reference circles (LSC, MZC, MIC, MCC); [`planes`]: the exact minimum zone of a plane.
 //! - [`separation`]: roundness and motion of the centre from recorded probe readings; [`spindle`]: error motion of a spindle
 //!   over its revolutions; [`pair_search`]: the best slots for three probes; [`probe_places`]: the best places
 //!   of three to six.
@@ -52,6 +52,8 @@ pub mod linear_fit;
 pub mod order;
 #[cfg(feature = "std")]
 pub mod pair_search;
+#[cfg(feature = "std")]
+pub mod planes;
 #[cfg(feature = "std")]
 pub mod probe_places;
 #[cfg(feature = "separation")]

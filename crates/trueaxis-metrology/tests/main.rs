@@ -9,6 +9,8 @@ mod circles_nist;
 mod friction;
 #[cfg(feature = "std")]
 mod limacon;
+#[cfg(feature = "std")]
+mod planes;
 mod plant;
 mod resonance;
 mod thermal;

@@ -23,13 +23,14 @@ Example:
 pub(crate) const HELP: &str = "\
 The part's file states where the program's zero is in the machine, the lines of the program that cut each feature, and the tolerances:
   name, program, at_mm = [X, Y, Z]
-  [[feature]] with name, kind = circle, hole, line, plane or flank, lines = [first, last]
+  [[feature]] with name, kind = circle, hole, line, plane, profile or flank, lines = [first, last]
     flank: module_mm, teeth, helix_angle_deg, face_mm; pressure_angle_deg, flank, axis_mm
   [[tolerance]] with feature, kind, and
     limits_um or limits_mm: size, distance (from = another feature)
     width_um or width_mm: position, straightness, flatness, roundness, parallelism,
-      perpendicularity, angularity
-    datums = [...]: position (up to three); parallelism, perpendicularity, angularity (one)
+      perpendicularity, angularity, profile (of a free form)
+    association = minimum zone instead of least squares: straightness, flatness, roundness
+    datums = [...]: position, profile (up to three); parallelism, perpendicularity, angularity (one)
     class, or width_um, of a slope limits_um: profile total, form or slope, helix total, form or slope
   [[setup]], a further one, with name, program, at_mm; zero_mm, turned_deg, uncertainty_um, uncertainty_urad
   [[tool]] with name, diameter_uncertainty_um, length_uncertainty_um
@@ -72,8 +73,9 @@ geometric correction, and with everything that the machine.toml configures, feed
 axes are then where the drives bring them; verdicts are those of everything on. The drives are exactly those of [axis.X.drive] \
 and [axis.X.friction], rigid; friction that is not stated is zero.
 
---find is a start for the part's file, which then needs only name, program and at_mm. It finds full circles, holes, planes \
-milled line by line, and straight lines in the plane of G17, G18 or G19; delete those that are not finished surfaces.
+--find is a start for the part's file; it reads only program from it. It finds full circles of arcs or chords, holes, planes \
+milled line by line, free forms (profile), and straight lines in the plane of G17, G18 or G19. Of passes that repeat one \
+another the last is the feature; a comment names the others. Delete those that are not finished surfaces.
 
 Sizes are those of a tool of exactly its nominal diameter.";
 
@@ -116,12 +118,14 @@ pub(crate) struct PredictArgs {
 }
 
 pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
-    let PartFiles { part, program, path } =
-        PartFiles::read(&arguments.part, arguments.program.as_deref(), "--program")?;
     if arguments.find {
+        // Features and tolerances may be unfinished.
+        let program = PartFiles::program_of(&arguments.part, arguments.program.as_deref(), "--program")?;
         let found = sections(&find(&program));
         return data(if found.is_empty() { "# no feature found\n" } else { found.trim_start() });
     }
+    let PartFiles { part, program, path } =
+        PartFiles::read(&arguments.part, arguments.program.as_deref(), "--program")?;
     let tasks =
         part.instruments.iter().filter_map(|of| of.file.as_ref()).map(|name| arguments.part.with_file_name(name));
     let setups = part.setups.iter().map(|setup| arguments.part.with_file_name(&setup.file));

@@ -44,7 +44,9 @@ pub(crate) fn margins(document: &PredictDocument) -> (&'static str, Markup) {
     let features = || (1..).map(f64::from).zip(&document.features);
     let known = || features().filter_map(|(x, of)| Some((x, of, of.known.as_ref()?.interval_um)));
     let uncorrected = || features().map(|(x, of)| [x - BESIDE, share(of, of.uncorrected_um)]);
-    let corrected = || features().map(|(x, of)| [x + BESIDE, share(of, of.corrected_um)]);
+    // With the servo the intervals are those of everything on.
+    let corrected = || features().map(|(x, of)| [x + BESIDE, share(of, of.everything_um.unwrap_or(of.corrected_um))]);
+    let name = if document.servo.is_some() { "everything on" } else { "corrected" };
     let intervals = || known().map(|(x, of, found)| [found.low, found.high].map(|um| [x + BESIDE, share(of, um)]));
     let values = uncorrected().chain(corrected()).chain(intervals().flatten()).map(|[_, y]| y);
     let values = values.chain(features().map(|(_, of)| lowest(of))).chain([100.0]);
@@ -62,7 +64,7 @@ pub(crate) fn margins(document: &PredictDocument) -> (&'static str, Markup) {
         .dots(corrected(), colour::COMPENSATED)
         .area_key("tolerance", colour::FULL)
         .area_key("uncorrected", colour::UNCOMPENSATED)
-        .area_key("corrected", colour::COMPENSATED);
+        .area_key(name, colour::COMPENSATED);
     if known().next().is_some() {
         figure.key("95 % of draws", line);
     }

@@ -5,7 +5,8 @@
 //! the program.
 
 use super::fit::{Fitted, Nominal, range};
-use super::part::{Characteristic, FeatureKind, Part, Tolerance};
+use super::part::{Association, Characteristic, FeatureKind, Part, Tolerance};
+use super::zone::minimum_zone;
 use anyhow::Result;
 use glam::DVec3;
 use trueaxis_metrology::linear_fit::LinearFit;
@@ -61,13 +62,28 @@ pub(super) fn check(part: &Part, nominal: &[Nominal]) -> Result<(), FileError> {
 }
 
 /// The value of a characteristic, mm.
-pub(super) fn value(tolerance: &Tolerance, nominal: &[Nominal], fitted: &[Fitted], points: &[Vec<DVec3>]) -> f64 {
+pub(super) fn value(
+    tolerance: &Tolerance,
+    nominal: &[Nominal],
+    fitted: &[Fitted],
+    points: &[Vec<DVec3>],
+) -> Result<f64> {
     let own = tolerance.feature;
     let (is, was) = (&fitted[own], &nominal[own]);
     let datum = tolerance.datums.first().copied().unwrap_or(own);
-    match tolerance.characteristic {
+    Ok(match tolerance.characteristic {
         Characteristic::Size => is.diameter - 2.0 * was.size,
-        Characteristic::Roundness | Characteristic::Straightness | Characteristic::Flatness => is.form,
+        Characteristic::Roundness | Characteristic::Straightness | Characteristic::Flatness => {
+            match tolerance.association {
+                Association::LeastSquares => is.form,
+                Association::MinimumZone => minimum_zone(was, &points[own])?,
+            }
+        }
+        Characteristic::Profile if tolerance.datums.is_empty() => was.outline.best_width(&points[own]),
+        Characteristic::Profile => {
+            let motion = Alignment::to(&tolerance.datums, nominal, fitted);
+            was.outline.width(&points[own], |is, was| motion.of(is, was))
+        }
         Characteristic::Distance => distance(nominal, fitted, [datum, own]),
         Characteristic::Flank(of) => was.flank.as_ref().map_or(f64::NAN, |traces| traces.value(of, &points[own])),
         Characteristic::Position => {
@@ -85,7 +101,7 @@ pub(super) fn value(tolerance: &Tolerance, nominal: &[Nominal], fitted: &[Fitted
             };
             range(points[own].iter().map(|point| point.dot(direction)))
         }
-    }
+    })
 }
 
 /// Deviation of the distance: along the normal of the first line or plane, or between two centres.
@@ -141,6 +157,8 @@ impl Alignment {
                         row(DVec3::ZERO, LENGTH * facing.cross(along), -LENGTH * is.facing.dot(along));
                     }
                 }
+                // No datum.
+                FeatureKind::Profile => {}
             }
         }
         for k in 0..6 {

@@ -23,6 +23,10 @@ use trueaxis_tables::limits::Clipped;
 const SPACING: f64 = 2.0;
 const POINTS: [f64; 2] = [17.0, 250.0];
 const TURN_POINTS: [f64; 2] = [72.0, 180.0];
+/// Largest angle between points on an arc of a profile, rad.
+const MOST_TURN: f64 = 0.1;
+/// Share of a move over which its direction is taken.
+const AROUND: f64 = 1e-4;
 /// Positions on an arc or curve that is no feature: they follow the directions of travel and find the ends of its travel.
 const BETWEEN: usize = 64;
 /// Share of a line at its ends without a point: an axis that reverses there has moved beyond its hysteresis.
@@ -34,6 +38,10 @@ pub(super) struct Point {
     /// Programmed point, mm: in workpiece coordinates from the zero of the first set-up's program. With the rotary axes at
     /// zero these are the program's.
     pub(super) nominal: DVec3,
+    /// Direction of the pass; zero on a feature that is no profile.
+    pub(super) tangent: DVec3,
+    /// Whether two straight moves meet there.
+    pub(super) joint: bool,
     pub(super) uncorrected: Reached,
     pub(super) corrected: Reached,
     /// With the servo, and everything that the machine configures against its error; as `corrected` without it.
@@ -53,7 +61,7 @@ pub(super) struct Point {
 pub(super) struct Reached {
     /// Positions by [`Axis::index`], mm.
     pub(super) sent: [f64; AXES],
-    /// 1 for an axis in negative travel, else 0.
+    /// 1 for an axis in negative travel, else 0; with the servo in between while it traverses its lost motion.
     reverse: [f64; AXES],
 }
 
@@ -82,6 +90,8 @@ pub(super) struct Cut {
     pub(super) tool: Option<usize>,
     pub(super) side: Option<Side>,
     pub(super) gear: Option<GearFlank>,
+    /// Of a profile: normals at its points.
+    pub(super) normals: Vec<DVec3>,
 }
 
 impl Cut {
@@ -98,6 +108,7 @@ impl Cut {
         for point in &mut self.points {
             point.nominal = zero + to_part * point.nominal;
             point.pointing = to_part * point.pointing;
+            point.tangent = to_part * point.tangent;
         }
         self.normal = to_part * self.normal;
         if let Some(circle) = &mut self.circle {
@@ -116,20 +127,23 @@ impl Cut {
     }
 }
 
+/// What a run of the servo adds to the commands of the axes, and how far each is in negative travel, 0 to 1.
+pub(super) type Followed = [[f64; AXES]; 2];
+
 impl Point {
     /// Moves the axes from the commands by what runs of the servo add to them: uncorrected, corrected and everything on. The
     /// runs are those of a cold machine.
-    pub(super) fn follow(&mut self, [uncorrected, corrected, everything]: [[f64; AXES]; 3]) {
+    pub(super) fn follow(&mut self, [uncorrected, corrected, everything]: [Followed; 3]) {
         let command = self.uncorrected.sent;
         let cold = |errors: [f64; AXES]| std::array::from_fn(|axis| command[axis] + errors[axis]);
-        let warm = |errors: [f64; AXES]| {
+        let warm = |[errors, reverse]: Followed| {
             let cold: [f64; AXES] = cold(errors);
-            std::array::from_fn(|axis| cold[axis] + self.growth[axis].correction(cold[axis]))
+            let sent = std::array::from_fn(|axis| cold[axis] + self.growth[axis].correction(cold[axis]));
+            Reached { sent, reverse }
         };
-        let [corrected, everything] = [corrected, everything].map(warm);
-        self.uncorrected.sent = cold(uncorrected);
-        self.everything = Reached { sent: everything, ..self.corrected };
-        self.corrected.sent = corrected;
+        [self.corrected, self.everything] = [corrected, everything].map(warm);
+        let [errors, reverse] = uncorrected;
+        self.uncorrected = Reached { sent: cold(errors), reverse };
     }
 
     /// Error of the point that is cut, in directions of the workpiece's frame, mm; `along`: errors of the axes along themselves.
@@ -217,7 +231,13 @@ fn in_setup(
             let spacing = cuts.iter().zip(&spacings).filter(|(cut, _)| used(cut)).map(|(_, spacing)| *spacing);
             let spacing = spacing.reduce(f64::min).filter(|_| is_feature);
             let is_chord = is_feature && cuts.iter().any(|cut| used(cut) && cut.is_chord(step));
-            for u in if is_chord { vec![step.curve.domain().1] } else { parameters(step, spacing, placement) } {
+            let is_profile = is_feature && cuts.iter().any(|cut| used(cut) && cut.kind == FeatureKind::Profile);
+            let parameters = match spacing {
+                _ if is_chord => vec![step.curve.domain().1],
+                Some(_) if is_profile => to_end(step, placement),
+                _ => parameters(step, spacing, placement),
+            };
+            for u in parameters {
                 let command = placement.axes(step, u);
                 within_travel(machine, program, step, &command)?;
                 let place = (index, u);
@@ -227,8 +247,21 @@ fn in_setup(
                     clipped.add(&machine.settings, &command, &wanted);
                     let Place { tip: ideal, direction: pointing } = placement.place_of(&command);
                     let nominal = ideal - placement.zero();
+                    let tangent = if is_profile { tangent(step, u, placement) } else { DVec3::ZERO };
+                    let joint = u >= 1.0 && is_straight(step) && program.moves.get(index + 1).is_some_and(is_straight);
                     let everything = corrected;
-                    let point = Point { nominal, uncorrected, corrected, everything, ideal, place, growth, pointing };
+                    let point = Point {
+                        nominal,
+                        tangent,
+                        joint,
+                        uncorrected,
+                        corrected,
+                        everything,
+                        ideal,
+                        place,
+                        growth,
+                        pointing,
+                    };
                     cuts.iter_mut().filter(|cut| used(cut)).for_each(|cut| cut.points.push(point.clone()));
                 }
             }
@@ -291,6 +324,32 @@ pub(super) fn parameters(step: &Move, spacing: Option<f64>, placement: &Placemen
         }
         (Some(spacing), _) => between(1 + (length(placement, step) / spacing).ceil() as usize, END),
     }
+}
+
+/// Parameters at the ends of equal parts of a profile's move; it is thinned afterwards.
+fn to_end(step: &Move, placement: &Placement) -> Vec<f64> {
+    let (first, last) = step.curve.domain();
+    let parts = length(placement, step) / (0.5 * SPACING);
+    let count = match &step.curve {
+        Curve::Line { .. } => parts,
+        Curve::Arc { .. } => parts.max(turn(&step.curve) / MOST_TURN),
+        // Its speed differs from place to place.
+        Curve::Nurbs { .. } => 4.0 * parts,
+    };
+    let count = count.ceil().max(1.0);
+    (1..=count as usize).map(|k| first + (last - first) * k as f64 / count).collect()
+}
+
+/// Direction of the tip's path on the workpiece.
+fn tangent(step: &Move, u: f64, placement: &Placement) -> DVec3 {
+    let (first, last) = step.curve.domain();
+    let [before, after] = [u - AROUND * (last - first), u].map(|u| placement.place(step, u).tip);
+    (after - before).normalize_or_zero()
+}
+
+/// Whether a move cuts along a line.
+fn is_straight(step: &Move) -> bool {
+    !step.rapid && matches!(step.curve, Curve::Line { .. }) && (step.tool_center || step.turn.change == [0.0; 3])
 }
 
 /// The drives along the program, with and without correction.

@@ -55,6 +55,9 @@ pub struct Predicted {
     pub feature: String,
     /// The characteristic.
     pub kind: &'static str,
+    /// How a form is associated with its points: `least squares` or `minimum zone`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub association: Option<&'static str>,
     /// Names of the datums; of a distance: the other feature.
     pub datums: Vec<String>,
     /// Predicted value without correction.
@@ -124,6 +127,7 @@ impl PredictDocument {
         let features = part.tolerances.iter().enumerate().map(|(index, of)| Predicted {
             feature: name(of.feature),
             kind: of.characteristic.name(),
+            association: of.characteristic.is_form().then(|| of.association.name()),
             datums: of.datums.iter().copied().map(name).collect(),
             uncorrected_um: 1e3 * uncorrected[index],
             corrected_um: 1e3 * corrected[index],

@@ -4,6 +4,7 @@ use super::cut::Cut;
 use super::gear::Traces;
 use super::locate::{Circle, NEAR, circle_through};
 use super::part::FeatureKind;
+use super::profile::Outline;
 use anyhow::{Result, anyhow};
 use glam::{DMat3, DVec3};
 use trueaxis_metrology::circles::least_squares;
@@ -25,6 +26,8 @@ pub(super) struct Nominal {
     pub(super) size: f64,
     /// What is evaluated on a gear's flank.
     pub(super) flank: Option<Traces>,
+    /// Points and normals of a profile.
+    pub(super) outline: Outline,
 }
 
 impl Nominal {
@@ -54,7 +57,9 @@ impl Nominal {
         let from_line = |point: &DVec3| (*point - middle).reject_from_normalized(along);
         let widest =
             points.iter().map(from_line).max_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or(DVec3::ZERO);
-        let mut nominal = Nominal { kind: cut.kind, centre: middle, normal: cut.normal, along, size, flank: None };
+        let outline = if cut.kind == FeatureKind::Profile { Outline::of(cut) } else { Outline::default() };
+        let (kind, centre, normal) = (cut.kind, middle, cut.normal);
+        let mut nominal = Nominal { kind, centre, normal, along, size, flank: None, outline };
         match cut.kind {
             FeatureKind::Circle => {
                 let refused = "arcs of one circle, or chords with their ends on one";
@@ -101,25 +106,29 @@ impl Nominal {
                 }
                 nominal.normal = normal;
             }
+            FeatureKind::Profile => {}
         }
         Ok(nominal)
     }
 
-    /// Fits the feature to its points.
+    /// Points along its directions, from its centre.
+    pub(super) fn local(&self, points: &[DVec3]) -> Vec<DVec3> {
+        let of = |point: &DVec3| {
+            let from = *point - self.centre;
+            DVec3::new(from.dot(self.along), from.dot(self.across()), from.dot(self.normal))
+        };
+        points.iter().map(of).collect()
+    }
+
+    /// Fits the feature to its points; a profile has no other than its points.
     pub(super) fn fit(&self, points: &[DVec3]) -> Result<Fitted> {
-        let local: Vec<DVec3> = points
-            .iter()
-            .map(|point| {
-                let from = *point - self.centre;
-                DVec3::new(from.dot(self.along), from.dot(self.across()), from.dot(self.normal))
-            })
-            .collect();
+        let local = self.local(points);
         let mean = local.iter().sum::<DVec3>() / local.len().max(1) as f64;
         let to_part = |local: DVec3| local.x * self.along + local.y * self.across() + local.z * self.normal;
         let mut fitted =
             Fitted { centre: self.centre + to_part(mean), facing: self.facing(), diameter: 0.0, form: 0.0 };
         match self.kind {
-            FeatureKind::Hole | FeatureKind::Flank => {}
+            FeatureKind::Hole | FeatureKind::Flank | FeatureKind::Profile => {}
             FeatureKind::Circle => {
                 let flat: Vec<[f64; 2]> = local.iter().map(|point| [point.x, point.y]).collect();
                 let circle = least_squares(&flat).map_err(|error| anyhow!("{error}"))?;

@@ -28,19 +28,36 @@ impl PartFiles {
     /// # Errors
     /// A file that cannot be read or is refused; no program.
     pub fn read(file: &Path, program: Option<&Path>, option: &str) -> Result<PartFiles> {
-        let mut part = Part::read(&read_text(file, COMMENTS)?, file)?;
-        let beside = part.program.as_ref().map(|name| file.with_file_name(name));
-        let Some(path) = program.map(Path::to_path_buf).or(beside) else {
-            bail!("{}: key program: found nothing, needed a G-code file, or {option}", file.display());
-        };
-        let read = |path: &Path| -> Result<Program> {
-            let source = Source::read(path)?;
-            Ok(Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(path))?)
-        };
-        let program = read(&path)?;
-        part.read_setups(|name| read(&file.with_file_name(name)))?;
+        let text = read_text(file, COMMENTS)?;
+        let mut part = Part::read(&text, file)?;
+        let path = path_of(file, program, part.program.as_deref(), option)?;
+        let program = read_program(&path)?;
+        part.read_setups(|name| read_program(&file.with_file_name(name)))?;
         Ok(PartFiles { part, program, path })
     }
+
+    /// Reads the program alone, of a part whose features and tolerances may be unfinished; arguments as for
+    /// [`PartFiles::read`].
+    ///
+    /// # Errors
+    /// As [`PartFiles::read`], but for the features and tolerances.
+    pub fn program_of(file: &Path, program: Option<&Path>, option: &str) -> Result<Program> {
+        let named = Part::first_program(&read_text(file, COMMENTS)?, file)?;
+        read_program(&path_of(file, program, named.as_deref(), option)?)
+    }
+}
+
+fn path_of(file: &Path, program: Option<&Path>, named: Option<&str>, option: &str) -> Result<PathBuf> {
+    let beside = named.map(|name| file.with_file_name(name));
+    let Some(path) = program.map(Path::to_path_buf).or(beside) else {
+        bail!("{}: key program: found nothing, needed a G-code file, or {option}", file.display());
+    };
+    Ok(path)
+}
+
+fn read_program(path: &Path) -> Result<Program> {
+    let source = Source::read(path)?;
+    Ok(Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(path))?)
 }
 
 /// Reads a task of `calibrate` that a part names, beside the part's file.

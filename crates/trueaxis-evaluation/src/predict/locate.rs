@@ -152,10 +152,11 @@ pub(super) fn found(program: &Program, part: &Part, feature: &Feature, placement
             (FeatureKind::Hole | FeatureKind::Line | FeatureKind::Flank, Curve::Arc { .. } | Curve::Nurbs { .. }) => {
                 return Err(refuse(step, "an arc or curve", "straight lines"));
             }
-            (FeatureKind::Line | FeatureKind::Plane | FeatureKind::Flank, _) => {}
+            (FeatureKind::Line | FeatureKind::Plane | FeatureKind::Flank | FeatureKind::Profile, _) => {}
         }
     }
     let (kind, moves, points) = (feature.kind, [*first, *last], Vec::new());
     let Feature { setup, tool, side, gear, .. } = *feature;
-    Ok(Cut { kind, points, moves, normal, circle, setup, to_part: DMat3::IDENTITY, tool, side, gear })
+    let (to_part, normals) = (DMat3::IDENTITY, Vec::new());
+    Ok(Cut { kind, points, moves, normal, circle, setup, to_part, tool, side, gear, normals })
 }

@@ -22,6 +22,7 @@
 
 mod advise;
 mod characteristic;
+mod chords;
 mod cut;
 mod document;
 mod find;
@@ -29,9 +30,11 @@ mod fit;
 mod fixture;
 mod gear;
 mod inputs;
+mod kinds;
 mod live;
 mod locate;
 mod part;
+mod profile;
 mod room;
 mod servo;
 mod shape;
@@ -41,18 +44,19 @@ mod times;
 mod unknowns;
 mod used;
 mod verdict;
+mod zone;
 
 pub use advise::{
     Advice, Advised, AdvisedTask, Directed, Elsewhere, Instrument, InstrumentKind, Left, Measurement, Placed, Touching,
     advise, elsewhere,
 };
 pub use document::{Contribution, Known, PredictDocument, Predicted};
-pub use find::{find, sections};
+pub use find::{Found, LeftOut, find, sections};
 pub use fixture::{Setup, Side, Tool};
 pub use gear::{FlankDeviation, GearFlank};
 pub use inputs::{PartFiles, own_task};
 pub use live::{Live, There};
-pub use part::{Characteristic, Feature, FeatureKind, Part, Tolerance};
+pub use part::{Association, Characteristic, Feature, FeatureKind, Part, Tolerance};
 pub use servo::ServoDocument;
 pub use shape::{Shape, shapes};
 pub use temperature::{
@@ -182,7 +186,8 @@ impl Prepared {
             return Err(part.wrong(setup.line, found, "constant temperatures, machine_c, for several set-ups").into());
         }
         let warm = growth.as_deref().map(|growth| Warm::new(growth, (machine, part.at_mm), program)).transpose()?;
-        let (cuts, clipped) = cut::features(machine, program, part, warm.as_ref())?;
+        let (mut cuts, clipped) = cut::features(machine, program, part, warm.as_ref())?;
+        settle_profiles(program, part, &mut cuts)?;
         let nominal = nominal(program, part, &cuts)?;
         characteristic::check(part, &nominal)?;
         datums_first(part, &cuts)?;
@@ -219,6 +224,18 @@ fn temperature_of(
     let ends = [points().min_by(by_place), points().max_by(by_place)];
     let at = ends.map(|point| point.map_or_else(Default::default, |point| point.uncorrected.sent));
     Ok(temperature::document(growth, &part.temperature, at))
+}
+
+/// Points and normals of the profiles.
+fn settle_profiles(program: &Program, part: &Part, cuts: &mut [Cut]) -> Result<()> {
+    for (cut, feature) in cuts.iter_mut().zip(&part.features).filter(|(cut, _)| cut.kind == FeatureKind::Profile) {
+        profile::settle(cut).map_err(|(found, needed)| {
+            let program = part.program_of(feature.setup, program);
+            let line = program.moves.get(cut.moves[0]).map_or(0, |step| step.line);
+            ProgramError::new(&program.file, line, format!("{found}, in the lines of {}", feature.name), needed)
+        })?;
+    }
+    Ok(())
 }
 
 fn nominal(program: &Program, part: &Part, cuts: &[Cut]) -> Result<Vec<Nominal>> {

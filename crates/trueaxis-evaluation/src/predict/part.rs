@@ -2,7 +2,8 @@
 
 use super::advise::instrument::{Instrument, Touching, read_instrument, read_probe};
 use super::fixture::{Setup, Side, Tool, named};
-use super::gear::{self, FlankDeviation, GearFlank};
+use super::gear::{self, GearFlank};
+pub use super::kinds::{Association, Characteristic, FeatureKind};
 use super::temperature::{Growth, GrowthModel, PartTemperature, read_temperature};
 use crate::calibrate::ranges::number;
 use std::borrow::Cow;
@@ -10,34 +11,6 @@ use std::path::{Path, PathBuf};
 use trueaxis_sim::program::Program;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::{KeyValue, Machine, Section, read_toml};
-
-/// Kind of a feature.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FeatureKind {
-    /// Arcs about one centre.
-    Circle,
-    /// A hole drilled along the plane's normal.
-    Hole,
-    /// An edge cut by the side of the tool along a straight line.
-    Line,
-    /// A surface cut by moves in one plane.
-    Plane,
-    /// A flank of a helical gear, cut point by point over a grid.
-    Flank,
-}
-
-impl FeatureKind {
-    /// Name in a file.
-    pub fn name(self) -> &'static str {
-        match self {
-            FeatureKind::Circle => "circle",
-            FeatureKind::Hole => "hole",
-            FeatureKind::Line => "line",
-            FeatureKind::Plane => "plane",
-            FeatureKind::Flank => "flank",
-        }
-    }
-}
 
 /// A feature of a part.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,95 +33,6 @@ pub struct Feature {
     pub line: u32,
 }
 
-/// What a tolerance limits; names after ISO 1101, sizes and distances after ISO 14405.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Characteristic {
-    /// Deviation of a circle's diameter.
-    Size,
-    /// Deviation of the distance from another feature.
-    Distance,
-    /// Diameter of the zone about the nominal centre that just contains the centre.
-    Position,
-    /// Width of a line's zone.
-    Straightness,
-    /// Width of a plane's zone.
-    Flatness,
-    /// Width of a circle's zone.
-    Roundness,
-    /// Width of the zone parallel to the datum.
-    Parallelism,
-    /// Width of the zone perpendicular to the datum.
-    Perpendicularity,
-    /// Width of the zone at the programmed angle to the datum.
-    Angularity,
-    /// A deviation of a gear's flank.
-    Flank(FlankDeviation),
-}
-
-impl Characteristic {
-    /// All of them with their names in a file.
-    pub const NAMES: [(&'static str, Characteristic); 15] = [
-        ("size", Characteristic::Size),
-        ("distance", Characteristic::Distance),
-        ("position", Characteristic::Position),
-        ("straightness", Characteristic::Straightness),
-        ("flatness", Characteristic::Flatness),
-        ("roundness", Characteristic::Roundness),
-        ("parallelism", Characteristic::Parallelism),
-        ("perpendicularity", Characteristic::Perpendicularity),
-        ("angularity", Characteristic::Angularity),
-        ("profile total", Characteristic::Flank(FlankDeviation::ProfileTotal)),
-        ("profile form", Characteristic::Flank(FlankDeviation::ProfileForm)),
-        ("profile slope", Characteristic::Flank(FlankDeviation::ProfileSlope)),
-        ("helix total", Characteristic::Flank(FlankDeviation::HelixTotal)),
-        ("helix form", Characteristic::Flank(FlankDeviation::HelixForm)),
-        ("helix slope", Characteristic::Flank(FlankDeviation::HelixSlope)),
-    ];
-
-    /// Name in a file.
-    pub fn name(self) -> &'static str {
-        Characteristic::NAMES.iter().find(|(_, own)| *own == self).map_or("", |(name, _)| name)
-    }
-
-    /// Whether two limits of a deviation are stated, not the width of a zone.
-    pub fn has_limits(self) -> bool {
-        match self {
-            Characteristic::Size | Characteristic::Distance => true,
-            Characteristic::Flank(deviation) => deviation.is_slope(),
-            _ => false,
-        }
-    }
-
-    /// Kinds of features that have it.
-    fn kinds(self) -> &'static [FeatureKind] {
-        use FeatureKind::{Circle, Flank, Hole, Line, Plane};
-        match self {
-            Characteristic::Size | Characteristic::Roundness => &[Circle],
-            Characteristic::Position => &[Circle, Hole],
-            Characteristic::Straightness => &[Line],
-            Characteristic::Flatness => &[Plane],
-            Characteristic::Parallelism | Characteristic::Perpendicularity | Characteristic::Angularity => {
-                &[Line, Plane]
-            }
-            Characteristic::Distance => &[Circle, Hole, Line, Plane],
-            Characteristic::Flank(_) => &[Flank],
-        }
-    }
-
-    /// Numbers of datums, least and most.
-    fn datums(self) -> [usize; 2] {
-        match self {
-            Characteristic::Position => [0, 3],
-            Characteristic::Size
-            | Characteristic::Roundness
-            | Characteristic::Straightness
-            | Characteristic::Flatness
-            | Characteristic::Flank(_) => [0, 0],
-            _ => [1, 1],
-        }
-    }
-}
-
 /// A tolerance of a feature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tolerance {
@@ -156,6 +40,8 @@ pub struct Tolerance {
     pub feature: usize,
     /// What it limits.
     pub characteristic: Characteristic,
+    /// How a form is associated; least squares for all others.
+    pub association: Association,
     /// Least and greatest value, mm; a zone has no least.
     pub limits: [f64; 2],
     /// Indices of the datums in their order; of a distance: the feature it starts from.
@@ -268,6 +154,17 @@ impl Part {
         })
     }
 
+    /// The program that a part's file names: reads nothing from the first section on, which may be unfinished.
+    ///
+    /// # Errors
+    /// Invalid TOML before the first section; a program that is not a text.
+    pub fn first_program(text: &str, file: &Path) -> Result<Option<String>, FileError> {
+        let head = text.split_inclusive('\n').take_while(|line| !line.trim_start().starts_with('['));
+        read_toml(&head.collect::<String>(), file, |root| {
+            Ok(root.string("program")?.map(|found| found.value.to_owned()))
+        })
+    }
+
     /// Reads the programs of the further set-ups.
     ///
     /// # Errors
@@ -304,10 +201,9 @@ fn all<'a>(root: &Section<'a>, key: &str) -> Result<Vec<Section<'a>>, FileError>
 fn read_feature(section: Section<'_>, setups: &[Setup], tools: &[Tool]) -> Result<Feature, FileError> {
     let line = section.first_line();
     let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
-    use FeatureKind::{Circle, Flank, Hole, Line, Plane};
-    let kind = section.choice("kind", [Circle, Hole, Line, Plane, Flank].map(|kind| (kind.name(), kind)))?;
-    let words = "\"circle\", \"hole\", \"line\", \"plane\" or \"flank\"";
-    let kind = kind.ok_or_else(|| section.missing_here("kind", words))?;
+    let kind = section.choice("kind", FeatureKind::NAMES)?;
+    let words = FeatureKind::NAMES.map(|(name, _)| format!("{name:?}")).join(" or ");
+    let kind = kind.ok_or_else(|| section.missing_here("kind", &words))?;
     let lines = section.numbers::<2>("lines")?;
     let lines = lines.ok_or_else(|| section.missing_here("lines", "its first and last line of the program"))?;
     let [from, to] = lines.value;
@@ -318,7 +214,7 @@ fn read_feature(section: Section<'_>, setups: &[Setup], tools: &[Tool]) -> Resul
     let tool = named(&section, "tool", "tool", tools.iter().map(|own| own.name.as_str()))?;
     let tool = tool.or((tools.len() == 1).then_some(0));
     let side = Side::read(&section, kind)?;
-    let gear = if kind == Flank { Some(GearFlank::read(&section)?) } else { None };
+    let gear = if kind == FeatureKind::Flank { Some(GearFlank::read(&section)?) } else { None };
     let has_side = matches!(kind, FeatureKind::Circle | FeatureKind::Line);
     if has_side && side.is_none() && tool.is_some_and(|tool| tools[tool].radius > 0.0) {
         let words = if kind == FeatureKind::Circle {
@@ -369,8 +265,10 @@ fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Toleranc
             })?);
         }
     }
-    if let Some(flank) = datums.iter().find(|datum| features[**datum].kind == FeatureKind::Flank) {
-        return Err(section.at(line, key, &features[*flank].name, "a feature other than a flank"));
+    let is_free = |kind: FeatureKind| matches!(kind, FeatureKind::Flank | FeatureKind::Profile);
+    if let Some(free) = datums.iter().find(|datum| is_free(features[**datum].kind)) {
+        let found = format!("{}, a {}", features[*free].name, features[*free].kind.name());
+        return Err(section.at(line, key, &found, "a feature other than a flank or profile"));
     }
     let [least, most] = characteristic.datums();
     let twice = (0..datums.len()).any(|k| datums[k] == feature || datums[..k].contains(&datums[k]));
@@ -384,8 +282,13 @@ fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Toleranc
         let found = if found.is_empty() { String::from("nothing") } else { found.join(", ") };
         return Err(section.at(line, key, &found, needed));
     }
+    let association = section.choice("association", Association::NAMES)?.unwrap_or_default();
+    if let Some(stated) = section.string("association")?.filter(|_| !characteristic.is_form()) {
+        let found = format!("{} of a {}", stated.value, characteristic.name());
+        return Err(section.at(stated.line, "association", &found, "that of a straightness, flatness or roundness"));
+    }
     section.finish(None)?;
-    Ok(Tolerance { feature, characteristic, limits, datums, line })
+    Ok(Tolerance { feature, characteristic, association, limits, datums, line })
 }
 
 /// The tolerance of a gear's class, mm.

@@ -113,8 +113,9 @@ impl PredictDocument {
 impl Predicted {
     /// Feature, characteristic and datums.
     pub(super) fn title(&self) -> String {
+        let minimum = if self.association == Some("minimum zone") { ", minimum zone" } else { "" };
         match (self.kind, self.datums.is_empty()) {
-            (_, true) => format!("{}, {}", self.feature, self.kind),
+            (_, true) => format!("{}, {}{minimum}", self.feature, self.kind),
             ("distance", _) => format!("{}, distance from {}", self.feature, self.datums.join(", ")),
             _ => format!("{}, {} to {}", self.feature, self.kind, self.datums.join(", ")),
         }

@@ -4,7 +4,7 @@ use super::characteristic::value;
 use super::cut::{Cut, Point, State};
 use super::fit::{Fitted, Nominal};
 use super::fixture::{Moved, Moves};
-use super::part::Part;
+use super::part::{Part, Tolerance};
 use super::temperature::part_length;
 use crate::uncertainty::monte_carlo::{machine_of, values};
 use crate::uncertainty::terms::{Along, Counts, Effect, Term, Terms};
@@ -184,10 +184,15 @@ impl Model<'_> {
 
     /// Values of all tolerances of the part with these points, mm.
     pub(super) fn values(&self, points: &[Vec<DVec3>]) -> Result<Vec<f64>> {
-        let fits = self.nominal.iter().zip(points).map(|(nominal, points)| nominal.fit(points));
+        let at = |line: u32, error: anyhow::Error| anyhow!("{}:{line}: {error}", self.part.file.display());
+        let fits = self.nominal.iter().zip(points).zip(&self.part.features);
+        let fits =
+            fits.map(|((nominal, points), feature)| nominal.fit(points).map_err(|error| at(feature.line, error)));
         let fitted = fits.collect::<Result<Vec<Fitted>>>()?;
-        let tolerances = self.part.tolerances.iter();
-        Ok(tolerances.map(|tolerance| value(tolerance, self.nominal, &fitted, points)).collect())
+        let of = |tolerance: &Tolerance| {
+            value(tolerance, self.nominal, &fitted, points).map_err(|error| at(tolerance.line, error))
+        };
+        self.part.tolerances.iter().map(of).collect()
     }
 
     /// Values of the quantities of set-ups and tools.

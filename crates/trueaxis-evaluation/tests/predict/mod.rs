@@ -1,6 +1,8 @@
 //! Predicted parts, against parts that another plant cuts and other formulas measure.
 
 mod advised;
+mod forms;
+mod found;
 mod live;
 mod measured;
 mod plant;
@@ -103,13 +105,18 @@ fn predicted(known: Option<&Known>) -> PredictDocument {
 }
 
 fn predict_part(known: Option<&Known>, program: &str, part: &str) -> anyhow::Result<PredictDocument> {
+    predict_drawn(known, program, part, 2_000)
+}
+
+/// With a tenth of 10,000 draws, or at least so many.
+fn predict_drawn(known: Option<&Known>, program: &str, part: &str, least: usize) -> anyhow::Result<PredictDocument> {
     let files = Memory::new(Errors::stated().files(known));
     let toml = Path::new("machine.toml");
     let machine = Machine::read_from(&files, toml, &mut |_| {}).unwrap();
     let stated = Uncertainties::read_from(&files, toml).unwrap();
     let program = Program::parse("plate", program, "plate.ngc").unwrap();
     let part = Part::read(part, Path::new("part.toml"))?;
-    predict(&machine, &stated, &program, &part, Options { trials: share(10_000).max(2_000) as u64, seed: 7 })
+    predict(&machine, &stated, &program, &part, Options { trials: share(10_000).max(least) as u64, seed: 7 })
 }
 
 /// Measures the tolerances of a part, µm.
@@ -257,7 +264,7 @@ fn what_a_contour_an_arc_and_a_helix_are_found_as() {
                 G0 X300 Y-5\nG1 Y65\nX390\nY0\nX295\nM2\n";
     let program = Program::parse("contour", text, "contour.ngc").unwrap();
     let found: Vec<String> =
-        find(&program).iter().map(|of| format!("{} {}-{}", of.name, of.lines[0], of.lines[1])).collect();
+        find(&program).features.iter().map(|of| format!("{} {}-{}", of.name, of.lines[0], of.lines[1])).collect();
     let wanted = [
         "line 1 4-4",
         "line 2 5-5",

@@ -2,7 +2,8 @@
 //!
 //! Point sets are evaluated in the plane ([`least_squares()`], [`minimum_zone()`], [`minimum_circumscribed`],
 //! [`maximum_inscribed`]), profiles of a roundness instrument with unknown radius in the limaçon approximation ([`limacon`]).
-//! Terms after ISO 12181-1:2011: LSC (LSCI), MZC (MZCI), MCC (MCCI), MIC (MICI).
+//! Terms after ISO 12181-1:2011: LSC (LSCI), MZC (MZCI), MCC (MCCI), MIC (MICI). [`smallest_width`] is the minimum zone of a
+//! straight line.
 //!
 //! The minimum zone, the inscribed and the circumscribed circle are vertices of an arrangement: two or three linear equations
 //! give each of them in closed form, and the search only decides which points determine it. The search is finite; no result
@@ -33,7 +34,7 @@ pub use circumscribed::minimum_circumscribed;
 pub use inscribed::maximum_inscribed;
 pub use least_squares::least_squares;
 pub use minimum_zone::minimum_zone;
-pub use width::hull;
+pub use width::{hull, smallest_width};
 
 use std::vec::Vec;
 

@@ -29,9 +29,10 @@ pub fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     lower
 }
 
-/// Width of the narrowest strip between parallel lines that contains all points; one line passes through an edge of the hull
-/// (Houle and Toussaint 1988). n log n.
-pub(super) fn smallest_width(points: &[[f64; 2]]) -> f64 {
+/// Width of the narrowest strip between parallel lines that contains all points: the minimum zone of a straight line (ISO
+/// 12780-1, MZLI). One of the lines passes through an edge of the hull (Houle and Toussaint 1988). 0 if all points are on one
+/// line. n log n.
+pub fn smallest_width(points: &[[f64; 2]]) -> f64 {
     let hull = hull(points);
     let n = hull.len();
     let mut opposite = 1;

@@ -356,7 +356,7 @@ impl Plant {
 }
 
 /// Lost motion of an axis: its backlash plus the largest difference of its positioning error between the table's directions.
-fn play_width(settings: &AxisSettings, table: Option<&Table>) -> f64 {
+pub fn play_width(settings: &AxisSettings, table: Option<&Table>) -> f64 {
     let own = settings.axis.index();
     let rows = table.map_or(&[][..], |table| &table.rows);
     let spread = rows.iter().map(|row| (row.reverse[own] - row.forward[own]).abs()).fold(0.0, f64::max);

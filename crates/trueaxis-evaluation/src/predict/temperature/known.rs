@@ -25,7 +25,8 @@ pub(in crate::predict) fn add_terms(
     if let Some((growth, [first, last])) = growth {
         growth.add_terms(terms, machine, stated, 0.5 * (first + last));
     }
-    if let Some(part) = part {
+    // A part's temperature alone allows no verdict on a machine of which nothing is known.
+    if let Some(part) = part.filter(|_| !terms.all.is_empty()) {
         let key = "temperature.part_u_k of the part's file";
         terms.put(key.into(), PART.into(), part.u_k, f64::INFINITY, |_| Effect::Along(Vec::new()));
     }
