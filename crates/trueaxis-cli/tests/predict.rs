@@ -139,14 +139,15 @@ fn the_sample_part_as_document_table_and_page() {
 /// The picture in the documents is the page's.
 fn picture_of_the_documents(page: &str) {
     let (_, part) = page.split_once("Part with its deviations").unwrap();
-    let (_, part) = part.split_once("<svg").unwrap();
+    let (_, part) = part.split_once("<svg viewBox").unwrap();
+    // Those of the legend have a class.
     let (part, _) = part.split_once("</svg>").unwrap();
     for label in ["bore ?", "hole 3 ✓", "front ✓"] {
         assert!(part.contains(label), "{label}");
     }
     // As a file of its own, on white paper.
     let (root, drawn) = part.split_once('>').unwrap();
-    let svg = format!("<svg{root}>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{drawn}</svg>\n")
+    let svg = format!("<svg viewBox{root}>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{drawn}</svg>\n")
         .replace("><", ">\n<");
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/predict.svg");
     if std::env::var_os("UPDATE_DOCS").is_some() {

@@ -60,7 +60,7 @@ def test_refusals_are_those_of_the_command(tmp_path):
         with pytest.raises(ValueError) as error:
             trueaxis.predict(mill, tmp_path / "part.toml")
         code, _, err = command("predict", MILL, tmp_path / "part.toml")
-        assert code == 1 and err.strip() == f"error: {error.value}"
+        assert code == 2 and err.strip() == f"error: {error.value}"
     assert refused(lambda: trueaxis.predict(mill, PLATE, trials=10)) == "trials: found 10, needed 200 to 1000000"
     assert refused(lambda: trueaxis.predict(mill, PLATE, at_mm=[float("nan"), 0, 0])) == "at_mm: found NaN, needed a finite number"
     with pytest.raises(FileNotFoundError):
