@@ -7,6 +7,9 @@
 //! y_i(place) = the same of p(place) + d_i
 //! ```
 //!
+//! Of a part of many features fewer draws are fitted again, as many as a slider has time for; what the others move by is then
+//! that of one of these.
+//!
 //! The values are exact at every place. The scatter is exact at home, where it is that of [`predict`](super::predict()) with
 //! 200 draws. At another place it is exact for quantities with the same effect everywhere (squareness, scale, repeatability
 //! of an approach) as far as the datums follow the part, and approximate for points of tables, whose uncertainties may differ
@@ -25,6 +28,10 @@ use trueaxis_sim::program::Program;
 use trueaxis_tables::Machine;
 use trueaxis_tables::uncertainty::Uncertainties;
 
+/// Fits that a move has time for, and fewest draws fitted again.
+const FITS: usize = 1_400;
+const FEWEST: usize = 20;
+
 /// Deviations of a drawn part from the stated one by feature and point, mm.
 type Scatter = Vec<Vec<Vec3>>;
 
@@ -36,7 +43,9 @@ pub struct Live {
     program: Program,
     part: Part,
     seed: u64,
-    /// By draw; empty if the machine states no uncertainty.
+    /// Values of every drawn part at home; empty if the machine states no uncertainty.
+    home: Vec<Vec<f64>>,
+    /// Of the draws that are fitted again.
     scatter: Vec<Scatter>,
 }
 
@@ -63,12 +72,15 @@ impl Live {
             let of_feature = |(own, home): (&Vec<DVec3>, &Vec<DVec3>)| {
                 own.iter().zip(home).map(|(own, home)| (*own - *home).as_vec3()).collect()
             };
-            Ok(points.iter().zip(&home).map(of_feature).collect())
+            let scatter = points.iter().zip(&home).map(of_feature).collect();
+            Ok((model.values(&points)?, scatter))
         };
         let draws = if model.terms.all.is_empty() { 0 } else { CHECKED };
-        let scatter = (0..draws).into_par_iter().map(apart).collect::<Result<Vec<Scatter>>>()?;
+        let drawn = (0..draws).into_par_iter().map(apart).collect::<Result<Vec<(Vec<f64>, Scatter)>>>()?;
+        let (home, mut scatter): (Vec<Vec<f64>>, Vec<Scatter>) = drawn.into_iter().unzip();
+        scatter.truncate((FITS / part.features.len().max(1)).max(FEWEST));
         let (machine, stated, program, part) = (machine.clone(), stated.clone(), program.clone(), part.clone());
-        Ok(Live { machine, stated, program, part, seed, scatter })
+        Ok(Live { machine, stated, program, part, seed, home, scatter })
     }
 
     /// Lowest and highest place of the program's zero in the machine along X, Y and Z until the program leaves the travel, mm.
@@ -107,8 +119,12 @@ impl Live {
             model.values(&corrected.iter().zip(scatter).map(of_feature).collect::<Vec<Vec<DVec3>>>())
         };
         let draws = self.scatter.par_iter().map(moved).collect::<Result<Vec<_>>>()?;
+        let value = |number: usize, index: usize| {
+            let again = number % draws.len();
+            self.home[number][index] + draws[again][index] - self.home[again][index]
+        };
         let outcome = |index: usize| Outcome {
-            values: draws.iter().map(|values| values[index]).collect(),
+            values: (0..self.home.len()).map(|number| value(number, index)).collect(),
             cut: true,
             contributions: vec![0.0; model.terms.all.len()],
         };

@@ -44,7 +44,7 @@ fn steps() -> Vec<Step> {
     };
     // Rows to and fro, with the way from one to the next.
     let rows = |from: &dyn Fn(usize) -> [V; 2], count: usize| -> Vec<V> {
-        let turned = |k: usize| if k % 2 == 0 { from(k) } else { [from(k)[1], from(k)[0]] };
+        let turned = |k: usize| if k.is_multiple_of(2) { from(k) } else { [from(k)[1], from(k)[0]] };
         (0..count).flat_map(turned).collect()
     };
     let over = |k: usize, low: f64, high: f64, count: usize| low + (high - low) * k as f64 / (count - 1) as f64;

@@ -74,7 +74,7 @@ fn free_forms_are_found_between_edges() {
 fn rows_in_space_are_one_surface_and_the_one_before_is_left_out() {
     let rows = |above: f64| -> Vec<[f64; 3]> {
         let row = |k: usize| {
-            let x = move |along: usize| if k % 2 == 0 { along as f64 } else { 30.0 - along as f64 };
+            let x = move |along: usize| if k.is_multiple_of(2) { along as f64 } else { 30.0 - along as f64 };
             (0..=30).map(move |along| [x(along), 1.5 * k as f64, above - 2.0 + (x(along) / 5.0).sin()])
         };
         (0..8).flat_map(row).collect()
@@ -169,7 +169,7 @@ fn a_profile_of_arcs_and_a_spline_is_that_of_their_chords() {
         let arcs = format!("{first} {} R15\n{second} {} R15\n", place([30.0, 0.0]), place([60.0, 0.0]));
         let curves = format!("G21 G90 {plane} G94 F600\nG0 X0 Y0 Z0\n{arcs}{}M2\n", if standing { "" } else { spline });
         let program = parsed(&curves);
-        let steps = program.moves.iter().filter(|step| !step.rapid);
+        let mut steps = program.moves.iter().filter(|step| !step.rapid);
         let mut points = vec![[0.0; 3]];
         for step in steps.clone() {
             let (from, to) = step.curve.domain();
@@ -180,7 +180,7 @@ fn a_profile_of_arcs_and_a_spline_is_that_of_their_chords() {
             let lines = points[1..].iter().map(|[x, y, z]| format!("G1 X{x:.6} Y{y:.6} Z{z:.6}\n"));
             lines.collect::<String>()
         });
-        let last = steps.last().unwrap().line as usize;
+        let last = steps.next_back().unwrap().line as usize;
         let [one, other] = [
             values(&curves, "profile", [3, last], &[("profile", "")]).unwrap()[0],
             values(&chords, "profile", [3, points.len() + 1], &[("profile", "")]).unwrap()[0],
