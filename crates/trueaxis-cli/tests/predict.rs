@@ -249,7 +249,7 @@ fn features_are_found_for_an_unfinished_part_and_repeated_passes_are_named() {
     folder.bad(&["predict", ".", "part.toml", "--find"], &["part.toml: key program: found nothing"]);
 }
 
-/// Squareness makes an ellipse of the circle: its roundness is C0Y times the diameter, by either association.
+/// Squareness makes an ellipse of the circle: its roundness is C0Y times the radius, by either association.
 #[test]
 fn the_association_of_a_form_is_in_document_and_table() {
     let folder = Folder::new(TRUEAXIS);
@@ -265,7 +265,7 @@ fn the_association_of_a_form_is_in_document_and_table() {
     for (k, association) in ["minimum zone", "least squares"].into_iter().enumerate() {
         let of = &document["features"][k];
         assert_eq!(of["association"], association);
-        assert!((of["uncorrected_um"].as_f64().unwrap() - 1e3 * 40.0 * 50e-6).abs() < 0.01, "{document}");
+        assert!((of["uncorrected_um"].as_f64().unwrap() - 1e3 * 20.0 * 50e-6).abs() < 0.01, "{document}");
     }
     let text = folder.good(&["predict", ".", "part.toml"]);
     assert!(text.contains("ring, roundness, minimum zone") && text.contains("ring, roundness "), "{text}");
