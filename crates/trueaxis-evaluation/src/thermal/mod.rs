@@ -17,7 +17,7 @@ pub use document::{
 pub use figures::residuals;
 pub use record::{COLUMNS, Recording, with_temperatures};
 pub use text::model;
-#[cfg(feature = "simulated")]
+#[cfg(feature = "simulation")]
 pub(crate) use text::with_uncertainties;
 pub use written::written;
 

@@ -2638,6 +2638,8 @@ class Predicted(Section):
         Name of the feature.
     kind : str
         The characteristic.
+    association : str | None
+        How a form is associated with its points: `least squares` or `minimum zone`.
     datums : tuple[str, ...]
         Names of the datums; of a distance: the other feature.
     uncorrected_um : float
@@ -2666,6 +2668,7 @@ class Predicted(Section):
     _sections: ClassVar[dict[str, type[Section]]] = {"interval_um": Interval, "budget": Contribution}
     feature: str
     kind: str
+    association: str | None
     datums: tuple[str, ...]
     uncorrected_um: float
     corrected_um: float
