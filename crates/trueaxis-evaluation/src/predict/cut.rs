@@ -89,6 +89,7 @@ impl Cut {
             point.nominal = zero + to_part * point.nominal;
             point.pointing = to_part * point.pointing;
             point.tangent = to_part * point.tangent;
+            point.tangent = to_part * point.tangent;
         }
         self.normal = to_part * self.normal;
         if let Some(circle) = &mut self.circle {

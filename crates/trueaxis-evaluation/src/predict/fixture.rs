@@ -89,16 +89,19 @@ pub struct Tool {
     pub length: f64,
     /// Standard uncertainty of its radius, mm.
     pub radius: f64,
+    /// Line in the part's file.
+    pub line: u32,
 }
 
 impl Tool {
     pub(super) fn read(section: Section<'_>) -> Result<Tool, FileError> {
+        let line = section.first_line();
         let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
         let um = |key: &str| number(&section, key, [0.0, LARGEST], " um");
         let length = 1e-3 * um("length_uncertainty_um")?.unwrap_or_default();
         let radius = 0.5e-3 * um("diameter_uncertainty_um")?.unwrap_or_default();
         section.finish(None)?;
-        Ok(Tool { name, length, radius })
+        Ok(Tool { name, length, radius, line })
     }
 }
 

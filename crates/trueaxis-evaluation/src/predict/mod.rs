@@ -110,8 +110,8 @@ impl Default for Options {
 ///
 /// # Errors
 /// A number of draws out of its range; a part without tolerances; a machine without X, Y or Z, or that the model refuses; a
-/// program that turns axes that the machine does not have or leaves the travel; features that their lines do not cut; datums that are not made before
-/// the features that refer to them.
+/// program that turns axes that the machine does not have or leaves the travel; features that their lines do not cut; datums
+/// that are not made before the features that refer to them.
 pub fn predict(
     machine: &Machine,
     stated: &Uncertainties,

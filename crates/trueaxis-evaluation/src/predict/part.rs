@@ -101,11 +101,18 @@ impl Part {
             }
             let setups = all(&root, "setup")?.into_iter().map(Setup::read).collect::<Result<Vec<_>, _>>()?;
             let tools = all(&root, "tool")?.into_iter().map(Tool::read).collect::<Result<Vec<_>, _>>()?;
+            let twice = |names: Vec<&str>| (1..names.len()).find(|k| names[..*k].contains(&names[*k]));
+            if let Some(double) = twice(setups.iter().map(|own| own.name.as_str()).collect()) {
+                let double = &setups[double];
+                return Err(root.at(double.line, "setup.name", &double.name, "a name that no other set-up has"));
+            }
+            if let Some(double) = twice(tools.iter().map(|own| own.name.as_str()).collect()) {
+                let double = &tools[double];
+                return Err(root.at(double.line, "tool.name", &double.name, "a name that no other tool has"));
+            }
             let feature = |section| read_feature(section, &setups, &tools);
             let features = all(&root, "feature")?.into_iter().map(feature).collect::<Result<Vec<_>, _>>()?;
-            if let Some(double) =
-                (1..features.len()).find(|k| features[..*k].iter().any(|f| f.name == features[*k].name))
-            {
+            if let Some(double) = twice(features.iter().map(|own| own.name.as_str()).collect()) {
                 let double = &features[double];
                 return Err(root.at(double.line, "feature.name", &double.name, "a name that no other feature has"));
             }
@@ -215,6 +222,9 @@ fn read_feature(section: Section<'_>, setups: &[Setup], tools: &[Tool]) -> Resul
     let tool = tool.or((tools.len() == 1).then_some(0));
     let side = Side::read(&section, kind)?;
     let gear = if kind == FeatureKind::Flank { Some(GearFlank::read(&section)?) } else { None };
+    if let (Some(_), Some(setup)) = (&gear, setup) {
+        return Err(section.at(line, "setup", &setups[setup].name, "the first set-up, for a flank"));
+    }
     let has_side = matches!(kind, FeatureKind::Circle | FeatureKind::Line);
     if has_side && side.is_none() && tool.is_some_and(|tool| tools[tool].radius > 0.0) {
         let words = if kind == FeatureKind::Circle {

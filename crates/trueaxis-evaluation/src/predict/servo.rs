@@ -4,8 +4,8 @@
 //! q(t) = q_c(t) + e(t)        e: reading − command of a run, in which the correction and the error of the servo are
 //! ```
 //!
-//! Lost motion is traversed by the readings, as in the plant. The drives are exactly those of the machine.toml, rigid, with encoders that are free of errors; friction that is not stated
-//! is zero. A point gets the positions of the moment at which it is commanded: the lag along the path moves it along the
+//! Lost motion is traversed by the readings, as in the plant. The drives are exactly those of the machine.toml, rigid, with
+//! encoders that are free of errors; friction that is not stated is zero. A point gets the positions of the moment at which it is commanded: the lag along the path moves it along the
 //! feature, and what is left across the path is in the feature.
 //!
 //! Of a program of X, Y and Z alone only the features run, each with some moves before and after it, and rapids between them.

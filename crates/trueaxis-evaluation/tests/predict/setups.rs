@@ -180,6 +180,9 @@ fn set_ups_and_tools_that_cannot_be_are_refused() {
         let error = predicted(None, &wrong).unwrap_err().to_string();
         assert!(error.contains("part.toml:") && error.contains(found), "{error}");
     }
+    let again = "[[tool]]\nname = \"mill\"\n";
+    let error = predicted(None, &part(again)).unwrap_err().to_string();
+    assert!(error.contains("tool.name: found \"mill\"") || error.contains("a name that no other tool has"), "{error}");
     // A datum made in a later set-up.
     let late = "[[tolerance]]\nfeature = \"bore\"\nkind = \"position\"\ndatums = [\"hole\"]\nwidth_um = 9\n";
     let error = predicted(None, &part(late)).unwrap_err().to_string();
