@@ -52,13 +52,23 @@ pub(super) fn check(part: &Part, nominal: &[Nominal]) -> Result<(), FileError> {
             Characteristic::Distance if is_edge(own) && is_edge(other) && !parallel => {
                 return refuse(format!("{name} and {datum}, not parallel"), "parallel lines or planes");
             }
-            Characteristic::Distance if (own.centre - other.centre).length() < 1e-3 => {
+            Characteristic::Distance if apart(own, other) < 1e-3 => {
                 return refuse(format!("{name} and {datum} in the same place"), "features apart from each other");
             }
             _ => {}
         }
     }
     Ok(())
+}
+
+/// Programmed distance, as it is measured.
+fn apart(own: &Nominal, other: &Nominal) -> f64 {
+    let between = own.centre - other.centre;
+    let edge = [other, own].into_iter().find(|of| matches!(of.kind, FeatureKind::Line | FeatureKind::Plane));
+    match edge {
+        Some(edge) => between.dot(edge.facing()).abs(),
+        None => between.reject_from_normalized(own.normal).length(),
+    }
 }
 
 /// The value of a characteristic, mm.

@@ -10,7 +10,10 @@ use glam::{DMat3, DVec3};
 use trueaxis_metrology::circles::least_squares;
 
 /// Fewest points of a circle.
-const FEWEST: usize = 4;
+const FEWEST: usize = 5;
+/// Smallest part of a circle, and largest angle between two ends of its chords, degrees: a square is none.
+const LEAST_ARC: f64 = 75.0;
+const MOST_CHORD: f64 = 31.0;
 
 /// Directions and place of a feature as programmed.
 #[derive(Clone, Debug)]
@@ -72,6 +75,10 @@ impl Nominal {
                     let from = *point - centre;
                     from.dot(normal).abs().max((from.reject_from_normalized(normal).length() - radius).abs())
                 };
+                let [arc, chord] = angles(&points, centre, normal);
+                if arc < LEAST_ARC || cut.circle.is_none() && chord > MOST_CHORD {
+                    return Err("a quarter of a circle or more, of arcs, or of chords of 30 degrees at most");
+                }
                 if points.len() < FEWEST || points.iter().map(off).fold(0.0, f64::max) > 2.0 * NEAR {
                     return Err(refused);
                 }
@@ -160,6 +167,23 @@ impl Nominal {
         }
         Ok(fitted)
     }
+}
+
+/// Angle of a circle that points are on, and the largest between one and the next, degrees.
+fn angles(points: &[DVec3], centre: DVec3, normal: DVec3) -> [f64; 2] {
+    let along = normal.any_orthonormal_vector();
+    let across = normal.cross(along);
+    let angle = |point: &DVec3| {
+        let from = *point - centre;
+        from.dot(across).atan2(from.dot(along)).to_degrees()
+    };
+    let mut sorted: Vec<f64> = points.iter().map(angle).collect();
+    let turned = |pair: &[f64]| (pair[1] - pair[0] + 540.0).rem_euclid(360.0) - 180.0;
+    let chord = sorted.windows(2).map(|pair| turned(pair).abs()).fold(0.0, f64::max);
+    sorted.sort_unstable_by(f64::total_cmp);
+    let around = sorted.first().zip(sorted.last()).map_or(360.0, |(first, last)| first + 360.0 - last);
+    let gap = sorted.windows(2).map(|pair| pair[1] - pair[0]).fold(around, f64::max);
+    [360.0 - gap, chord]
 }
 
 /// A feature fitted by least squares.

@@ -22,6 +22,8 @@ use trueaxis_tables::error::FileError;
 const FEWEST: usize = 5;
 /// Width of a line of the grid as a share of the whole: the rounding of a program.
 const ON_LINE: f64 = 1e-3;
+/// Height that is cut, as a share of the face width: ends may be relieved.
+const FACE: [f64; 2] = [0.8, 1.05];
 /// Classes of ISO 1328-1.
 pub(super) const CLASSES: [f64; 2] = [1.0, 11.0];
 
@@ -55,6 +57,14 @@ pub enum FlankDeviation {
     HelixSlope,
 }
 
+/// A whole number within a range.
+pub(super) fn whole(section: &Section<'_>, key: &str, within: [f64; 2]) -> Result<Option<f64>, FileError> {
+    match section.number(key)? {
+        Some(found) if found.value.fract() != 0.0 => Err(section.wrong(&found, "a whole number")),
+        _ => number(section, key, within, ""),
+    }
+}
+
 impl FlankDeviation {
     /// Whether its sign counts: a slope has two limits.
     pub(super) fn is_slope(self) -> bool {
@@ -67,7 +77,8 @@ impl GearFlank {
         let needed = |key: &str, needed: &str, within: [f64; 2], unit: &str| {
             number(section, key, within, unit)?.ok_or_else(|| section.missing_here(key, needed))
         };
-        let teeth = needed("teeth", "the number of teeth", [5.0, 1000.0], "")?;
+        let teeth = whole(section, "teeth", [5.0, 1000.0])?;
+        let teeth = teeth.ok_or_else(|| section.missing_here("teeth", "the number of teeth"))?;
         let gear = Gear {
             module_mm: needed("module_mm", "the normal module, mm", [0.5, 70.0], " mm")?,
             teeth: teeth as u32,
@@ -82,9 +93,6 @@ impl GearFlank {
         if let Err(error) = checked {
             let found = error.found.to_string();
             return Err(section.at(section.first_line(), "flank", &found, error.needed));
-        }
-        if teeth.fract() != 0.0 {
-            return Err(section.at(section.first_line(), "teeth", &teeth.to_string(), "a whole number"));
         }
         Ok(GearFlank { gear, flank, axis_mm, face_mm })
     }
@@ -155,8 +163,16 @@ impl Traces {
         };
         let [low, high] = range(|one| one.z);
         let middle = 0.5 * (low + high);
+        if !(FACE[0]..=FACE[1]).contains(&((high - low) / of.face_mm)) {
+            return Err("a program that cuts the face, face_mm: 80 to 105 % of it");
+        }
+        let reference = data.reference_roll_angle_rad * of.flank.sign();
+        let [least, most] = range(|one| one.u);
+        if !(least..=most).contains(&reference) {
+            return Err("roll angles on both sides of the reference cylinder");
+        }
         let profile = trace(&placed, |one| one.z, middle, |one| surface.base_radius() * one.u);
-        let helix = trace(&placed, |one| one.u, data.reference_roll_angle_rad * of.flank.sign(), |one| one.z);
+        let helix = trace(&placed, |one| one.u, reference, |one| one.z);
         if profile.len() < FEWEST || helix.len() < FEWEST {
             return Err("passes over a grid of at least five profiles and five heights");
         }

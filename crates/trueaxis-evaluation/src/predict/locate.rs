@@ -87,6 +87,19 @@ pub(super) fn found(program: &Program, part: &Part, feature: &Feature, placement
     if let Some(other) = between.iter().find(|step| !step.rapid && !of_lines(step)) {
         return Err(refuse(other, "another line that cuts between them", "lines that cut one after the other"));
     }
+    if let (FeatureKind::Line, Some(_)) = (feature.kind, feature.side) {
+        let along = |step: &Move| {
+            let [start, end] = [step.curve.domain().0, step.curve.domain().1].map(|u| step.curve.position(u));
+            DVec3::from(end) - DVec3::from(start)
+        };
+        if let Some((_, back)) = cutting.iter().find(|(_, other)| along(other).dot(along(step)) < 0.0) {
+            return Err(refuse(
+                back,
+                "a pass in the other direction",
+                "one direction, since side is seen along the path",
+            ));
+        }
+    }
     let plane = DVec3::from(step.plane_normal);
     let is_turned = step.turn != Turn::default();
     let normal = match feature.kind {

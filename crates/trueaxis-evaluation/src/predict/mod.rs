@@ -245,7 +245,11 @@ fn nominal(program: &Program, part: &Part, cuts: &[Cut]) -> Result<Vec<Nominal>>
         Nominal::of(cut).map_err(|needed| {
             let program = part.program_of(feature.setup, program);
             let line = program.moves.get(cut.moves[0]).map_or(0, |step| step.line);
-            let found = format!("other lines among those of {}", feature.name);
+            let what = match feature.kind {
+                FeatureKind::Flank | FeatureKind::Circle => "the lines of",
+                _ => "other lines among those of",
+            };
+            let found = format!("{what} {}", feature.name);
             ProgramError::new(&program.file, line, found, needed).into()
         })
     };

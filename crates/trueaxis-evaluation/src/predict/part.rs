@@ -220,6 +220,10 @@ fn read_feature(section: Section<'_>, setups: &[Setup], tools: &[Tool]) -> Resul
     let setup = named(&section, "setup", "set-up", setups.iter().map(|own| own.name.as_str()))?;
     let tool = named(&section, "tool", "tool", tools.iter().map(|own| own.name.as_str()))?;
     let tool = tool.or((tools.len() == 1).then_some(0));
+    if tool.is_none() && tools.len() > 1 {
+        let names: Vec<&str> = tools.iter().map(|own| own.name.as_str()).collect();
+        return Err(section.missing_here("tool", &format!("the name of its tool: {}", names.join(", "))));
+    }
     let side = Side::read(&section, kind)?;
     let gear = if kind == FeatureKind::Flank { Some(GearFlank::read(&section)?) } else { None };
     if let (Some(_), Some(setup)) = (&gear, setup) {
@@ -304,10 +308,7 @@ fn read_tolerance(section: Section<'_>, features: &[Feature]) -> Result<Toleranc
 /// The tolerance of a gear's class, mm.
 fn class(section: &Section<'_>, of: Characteristic, gear: Option<&GearFlank>) -> Result<Option<[f64; 2]>, FileError> {
     let (Characteristic::Flank(deviation), Some(gear)) = (of, gear) else { return Ok(None) };
-    let Some(class) = number(section, "class", gear::CLASSES, "")? else { return Ok(None) };
-    if class.fract() != 0.0 {
-        return Err(section.at(section.first_line(), "class", &class.to_string(), "a whole number"));
-    }
+    let Some(class) = gear::whole(section, "class", gear::CLASSES)? else { return Ok(None) };
     let most = gear.tolerance(deviation, class);
     Ok(Some([if of.has_limits() { -most } else { f64::NEG_INFINITY }, most]))
 }

@@ -184,6 +184,12 @@ impl Model<'_> {
 
     /// Values of all tolerances of the part with these points, mm.
     pub(super) fn values(&self, points: &[Vec<DVec3>]) -> Result<Vec<f64>> {
+        if points.iter().flatten().any(|point| !point.is_finite()) {
+            return Err(anyhow!(
+                "{}: found a point that is not finite, needed finite errors",
+                self.machine.settings.name
+            ));
+        }
         let at = |line: u32, error: anyhow::Error| anyhow!("{}:{line}: {error}", self.part.file.display());
         let fits = self.nominal.iter().zip(points).zip(&self.part.features);
         let fits =

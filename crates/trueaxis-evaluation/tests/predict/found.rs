@@ -235,3 +235,13 @@ fn profiles_and_circles_that_their_lines_do_not_cut_are_refused() {
         assert!(found.contains(error), "{found}");
     }
 }
+
+/// At other angles of the table the same coordinates are other holes.
+#[test]
+fn holes_at_other_angles_of_the_table_are_other_holes() {
+    let at = |c: i32| format!("G0 C{c}\nG81 X0 Y30 Z-5 R2\nG80\nG0 Z50\n");
+    let text = format!("G21 G90 G17 G94 F200\nG0 Z50\n{}{}{}{}M2\n", at(0), at(90), at(180), at(180));
+    let found = find(&Program::parse("indexed", &text, "indexed.ngc").unwrap());
+    assert_eq!(found.features.iter().map(|of| of.lines[0]).collect::<Vec<_>>(), [4, 8, 16]);
+    assert_eq!(found.left_out.iter().map(|of| of.lines[0]).collect::<Vec<_>>(), [12]);
+}

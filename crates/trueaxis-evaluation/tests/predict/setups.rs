@@ -183,8 +183,39 @@ fn set_ups_and_tools_that_cannot_be_are_refused() {
     let again = "[[tool]]\nname = \"mill\"\n";
     let error = predicted(None, &part(again)).unwrap_err().to_string();
     assert!(error.contains("tool.name: found \"mill\"") || error.contains("a name that no other tool has"), "{error}");
+    let other = "[[tool]]\nname = \"other\"\n";
+    let error = predicted(None, &part(other)).unwrap_err().to_string();
+    assert!(error.contains("tool: found nothing, needed the name of its tool: mill, other"), "{error}");
     // A datum made in a later set-up.
     let late = "[[tolerance]]\nfeature = \"bore\"\nkind = \"position\"\ndatums = [\"hole\"]\nwidth_um = 9\n";
     let error = predicted(None, &part(late)).unwrap_err().to_string();
     assert!(error.contains("the datum hole") && error.contains("made before bore"), "{error}");
+}
+
+/// A plate's bore as other lines: outlines and arcs that are no circle, and an edge that is cut forth and back.
+#[test]
+fn what_is_no_circle_and_no_edge_of_one_side_is_refused() {
+    let files = Memory::new(Errors::stated().files(None));
+    let machine = Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap();
+    let stated = Uncertainties::read_from(&files, Path::new("machine.toml")).unwrap();
+    let refusal = |program: &str, feature: &str, tolerance: &str| {
+        let program = Program::parse("one", &format!("G21 G90 G17 G94 F600\n{program}M2\n"), "one.ngc").unwrap();
+        let text = format!(
+            "name = \"one\"\nat_mm = [0, 0, 0]\n[[tool]]\nname = \"mill\"\ndiameter_uncertainty_um = 2\n\
+             [[feature]]\nname = \"f\"\n{feature}\n[[tolerance]]\nfeature = \"f\"\n{tolerance}\n"
+        );
+        let part = Part::read(&text, Path::new("part.toml")).unwrap();
+        predict(&machine, &stated, &program, &part, Options { trials: 200, seed: 1 }).unwrap_err().to_string()
+    };
+    let round = "kind = \"roundness\"\nwidth_um = 9";
+    let circle = |lines: &str| format!("kind = \"circle\"\nside = \"inside\"\nlines = {lines}");
+    let rectangle = "G0 X0 Y0\nG1 X100\nY60\nX0\nY0\n";
+    let quarter = "a quarter of a circle or more";
+    assert!(refusal(rectangle, &circle("[3, 6]"), round).contains(quarter));
+    // 60 degrees of a circle.
+    let arc = "G0 X30 Y0\nG3 X15 Y25.980762 I-30 J0\n";
+    assert!(refusal(arc, &circle("[3, 3]"), round).contains(quarter));
+    let edge = "kind = \"line\"\nside = \"left\"\nlines = [3, 4]";
+    let error = refusal("G0 X0 Y0\nG1 X100\nX0\n", edge, "kind = \"straightness\"\nwidth_um = 9");
+    assert!(error.contains("one.ngc:4") && error.contains("a pass in the other direction"), "{error}");
 }

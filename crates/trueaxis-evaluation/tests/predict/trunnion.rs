@@ -418,7 +418,7 @@ fn profile_and_helix_of_a_gear_are_cut_as_predicted() {
     let (commands, program, surface) = flank(150.0);
     let mut part = String::from(
         "name = \"gear\"\nat_mm = [0, 0, 0]\n[[feature]]\nname = \"tooth\"\nkind = \"flank\"\nlines = [3, 83]\n\
-         module_mm = 3\nteeth = 24\nhelix_angle_deg = 15\nface_mm = 20\n",
+         module_mm = 3\nteeth = 24\nhelix_angle_deg = 15\nface_mm = 33\n",
     );
     for of in ["profile", "helix"] {
         for kind in ["total", "form", "slope"] {
@@ -427,9 +427,9 @@ fn profile_and_helix_of_a_gear_are_cut_as_predicted() {
     }
     let stated = Errors::stated(Some(150.0));
     let found = predicted(&stated, true, &program, &part);
-    // m_n 3, d 74.54, b 20, class 6 of ISO 1328-1:2013, rounded as there.
+    // m_n 3, d 74.54, b 33, class 6 of ISO 1328-1:2013, rounded as there.
     let limits: Vec<f64> = found.features.iter().map(|of| (1e6 * of.limits_um[1].unwrap()).round() * 1e-6).collect();
-    assert_eq!(limits, [12.0, 9.5, 7.5, 13.0, 9.5, 8.5]);
+    assert_eq!(limits, [12.0, 9.5, 7.5, 14.0, 10.0, 9.0]);
     let cut = |sent: &dyn Fn(Axes) -> Axes, truth: &Errors| {
         let points: Vec<V> = commands.iter().map(|axes| truth.tip(sent(*axes))).collect();
         flank_deviations(&points, surface)

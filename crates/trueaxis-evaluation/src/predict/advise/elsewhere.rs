@@ -1,7 +1,7 @@
 //! The part at another place, or a feature cut in the other direction.
 
 use super::document::{Directed, Elsewhere, Placed};
-use crate::predict::{FeatureKind, Options, Part, PredictDocument, Predicted, predict};
+use crate::predict::{Feature, FeatureKind, Options, Part, PredictDocument, Predicted, Side, predict};
 use anyhow::Result;
 use trueaxis_sim::program::{Curve, Move, Program, Turn};
 use trueaxis_tables::Machine;
@@ -88,7 +88,7 @@ impl Asked<'_> {
                 continue;
             }
             let Some(program) = reversed(self.program, feature.lines) else { continue };
-            let Ok(there) = self.predict(&program, self.part) else { continue };
+            let Ok(there) = self.predict(&program, &with_sides_swapped(self.part, feature.lines)) else { continue };
             if here.is_none() {
                 here = Some(self.predict(self.program, self.part)?);
             }
@@ -131,6 +131,20 @@ impl Rated {
         let is_less = self.worst < (1.0 - by) * other.worst;
         self.conform > other.conform || self.conform == other.conform && is_less
     }
+}
+
+/// The part with the material on the other side of paths that are cut backwards: it stays where it is.
+fn with_sides_swapped(part: &Part, [from, to]: [u32; 2]) -> Part {
+    let mut part = part.clone();
+    let is_own = |own: &&mut Feature| own.setup.is_none() && own.lines[0] <= to && from <= own.lines[1];
+    for own in part.features.iter_mut().filter(is_own) {
+        own.side = match own.side {
+            Some(Side::Left) => Some(Side::Right),
+            Some(Side::Right) => Some(Side::Left),
+            side => side,
+        };
+    }
+    part
 }
 
 /// The program with the moves of these lines cut backwards; `None` if one of them is a spline.

@@ -24,6 +24,8 @@ struct Shape {
     low: DVec3,
     high: DVec3,
     circle: Option<Circle>,
+    /// Rotary axes at its start and end, degrees.
+    turn: [[f64; 3]; 2],
     /// Direction of an edge: the two sides of a slot are cut in opposite ones.
     along: Option<DVec3>,
 }
@@ -54,7 +56,8 @@ impl Shape {
         let along = (piece.kind == FeatureKind::Line).then(|| direction(&own[0])).flatten();
         let end = |of: fn(DVec3, DVec3) -> DVec3| corners.iter().copied().reduce(of).unwrap_or_default();
         let (low, high) = (end(DVec3::min), end(DVec3::max));
-        Shape { kind: piece.kind, normal: axis, corners, low, high, circle, along }
+        let turn = [own[0].turn.start, own[own.len() - 1].turn.end()];
+        Shape { kind: piece.kind, normal: axis, corners, low, high, circle, turn, along }
     }
 
     fn height(&self) -> f64 {
@@ -63,7 +66,7 @@ impl Shape {
 
     /// Whether a later piece cuts the same: the same path at another depth, or beside it within the stock.
     fn is_repeated_by(&self, later: &Shape) -> bool {
-        if self.kind != later.kind || self.normal.distance(later.normal) > 1e-9 {
+        if self.kind != later.kind || self.turn != later.turn || self.normal.distance(later.normal) > 1e-9 {
             return false;
         }
         let flat = |of: DVec3| of - of.dot(self.normal) * self.normal;

@@ -4,7 +4,7 @@ use super::path::{Piece, corners, distance, normal};
 use crate::predict::circle::NEAR;
 use crate::predict::kinds::FeatureKind;
 use glam::DVec3;
-use trueaxis_sim::program::Move;
+use trueaxis_sim::program::{Move, Turn};
 
 /// Farthest distance of neighbouring rows, as a share of their length.
 const BESIDE: f64 = 0.25;
@@ -57,10 +57,12 @@ pub(super) fn joined(moves: &[Move], pieces: Vec<Piece>) -> Vec<Piece> {
 
 /// Middle and path of a free form in space; `None` for another piece or one at one height.
 fn row(moves: &[Move], piece: &Piece) -> Option<(DVec3, Vec<DVec3>)> {
-    if piece.kind != FeatureKind::Profile {
+    let first = &moves[piece.moves.start];
+    // Between indexed positions the same coordinates are other places on the workpiece.
+    if piece.kind != FeatureKind::Profile || !first.tool_center && first.turn != Turn::default() {
         return None;
     }
-    let axis = normal(&moves[piece.moves.start]);
+    let axis = normal(first);
     let path = corners(moves[piece.moves.clone()].iter());
     let first = *path.first()?;
     let is_level = path.iter().all(|corner| (*corner - first).dot(axis).abs() <= NEAR);
