@@ -532,7 +532,7 @@ fn the_servo_is_simulated_where_the_machine_states_its_drives() {
     assert_eq!(document["servo"]["rate_hz"], 2000.0);
     let text = folder.good(&call);
     for part in
-        ["everything on", "uncertainty of the drives, temperature while cutting, tool and process are not included"]
+        ["everything on", "uncertainty of the drives, temperature while cutting, bending and process are not included"]
     {
         assert!(text.contains(part), "{part}: {text}");
     }
@@ -566,7 +566,7 @@ fn a_record_of_temperatures_or_a_thermal_toml_adds_the_growth() {
     assert!(um(&document, "corrected_um").abs() < 1e-6, "{document}");
     let text = folder.good(&[&call[..], &["--start", "120"]].concat());
     for part in
-        ["the program starts 120 s into it", "servo, temperature of the part, tool and process are not included"]
+        ["the program starts 120 s into it", "servo, temperature of the part, bending and process are not included"]
     {
         assert!(text.contains(part), "{part}: {text}");
     }
@@ -594,5 +594,5 @@ fn a_record_of_temperatures_or_a_thermal_toml_adds_the_growth() {
     assert!((document["temperature"]["growth"][0]["growth"][0].as_f64().unwrap() - 8.0).abs() < 1e-6, "{document}");
     assert!((um(&document, "corrected_um") + 2.4).abs() < 1e-3, "{document}");
     let text = folder.good(&["predict", ".", "part.toml"]);
-    assert!(text.contains("servo, tool and process are not included"), "{text}");
+    assert!(text.contains("servo, bending and process are not included"), "{text}");
 }

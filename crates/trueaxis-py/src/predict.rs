@@ -5,7 +5,9 @@ use crate::shown::result;
 use crate::{Error, json, raised};
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use trueaxis_evaluation::predict::{Options, PartFiles, advise as advice_on, elsewhere, own_task, predict as evaluate};
+use trueaxis_evaluation::predict::{
+    Growth, Options, PartFiles, advise as advice_on, elsewhere, growth_model, own_task, predict as evaluate,
+};
 
 /// Predict whether a part will be in tolerance on a machine, before it is cut.
 ///
@@ -39,8 +41,9 @@ use trueaxis_evaluation::predict::{Options, PartFiles, advise as advice_on, else
 ///
 /// Notes
 /// -----
-/// Values are those of exact transforms; the interval contains the true value with 95 %, over the drawn machines. Servo,
-/// temperature while cutting, tool and process are not included.
+/// Values are those of exact transforms; the interval contains the true value with 95 %, over the drawn machines. Constant
+/// temperatures of the part's file are included, by the `thermal.toml` beside the machine's file if there is one; servo,
+/// recorded temperatures and process are not.
 #[pyfunction]
 #[pyo3(signature = (machine, part, program = None, *, at_mm = None, trials = 10_000, seed = 1, advise = false))]
 pub(crate) fn predict<'py>(
@@ -64,6 +67,9 @@ pub(crate) fn predict<'py>(
     let predicted = || {
         let PartFiles { part: mut own, program, .. } = PartFiles::read(&part, program.as_deref(), "program")?;
         own.at_mm = at_mm.unwrap_or(own.at_mm);
+        if let Some(celsius) = own.temperature.machine_c {
+            own.growth = Some(Growth::constant(growth_model(machine, path)?, celsius)?);
+        }
         let mut document = evaluate(machine, stated, &program, &own, Options { trials, seed })?;
         if advise {
             let read = |name: &str| own_task(&part, name, path);

@@ -8,6 +8,7 @@ export type Verdict = "conforms" | "undecided" | "does not conform";
 export interface Characteristic {
   feature: string;
   kind: string;
+  association?: string;
   datums: string[];
   uncorrected_um: number;
   corrected_um: number;
@@ -22,7 +23,7 @@ export interface Characteristic {
 
 export interface Shape {
   feature: string;
-  kind: "circle" | "hole" | "line" | "plane";
+  kind: "circle" | "hole" | "line" | "plane" | "profile" | "flank";
   closed: boolean;
   points_mm: Vector[];
   uncorrected_um: Vector[];
@@ -62,7 +63,8 @@ export interface Request {
 }
 
 /** A characteristic with its datums, as the command line names it. */
-export function titled({ feature, kind, datums }: Characteristic): string {
+export function titled({ feature, kind: of, association, datums }: Characteristic): string {
+  const kind = association === "minimum zone" ? `${of}, ${association}` : of;
   if (datums.length === 0) return `${feature}, ${kind}`;
   return `${feature}, ${kind} ${kind === "distance" ? "from" : "to"} ${datums.join(", ")}`;
 }

@@ -27,6 +27,8 @@ const NOTHING = "Drop a part.toml with its program, and the machine's folder unl
 const SAMPLE: Request = { part: ["part.toml", partText], program: ["plate.ngc", programText], more: [], at_mm: null, trials: TRIALS, seed: 1 };
 /** Time without a move after which the part is predicted at its new place, ms. */
 const REST_MS = 600;
+/** Ends of the sliders that differ by rounding. */
+const SAME_MM = 1e-6;
 
 export class Part {
   private request: Request | undefined;
@@ -76,7 +78,7 @@ export class Part {
     root.append(
       section(
         "Part before it is cut",
-        el("p", {}, "The program runs on the exact geometry of the machine; the features of the part are fitted to what it cuts, and compared with their tolerances. Servo, temperature, tool and process are not included."),
+        el("p", {}, "The program runs on the exact geometry of the machine; the features of the part are fitted to what it cuts, and compared with their tolerances. Servo, recorded temperatures and process are not included; growth is that of machine.toml."),
         el("div", { class: "row" }, picker("Open part, program or machine", { accept: ".toml,.ngc,.nc,.gcode,.tap,.csv,.txt", several: true }, open, desk.fail), ...Object.values(this.fields).map(({ root }) => root)),
         this.samples.root,
         this.status,
@@ -96,7 +98,8 @@ export class Part {
 
   open({ request, sample }: ViewState): void {
     if (!request) return this.nothing(NOTHING);
-    this.found = undefined;
+    this.found = this.wanted = undefined;
+    this.results.hidden = true;
     this.request = structuredClone(request);
     this.isSample = sample;
     for (const key of ["trials", "seed"] as const) this.fields[key].value = request[key];
@@ -122,6 +125,7 @@ export class Part {
       await adopt(desk, Object.fromEntries(machine), { what: "opened" }, given.find(({ path }) => path.endsWith("machine.toml"))?.path.split("/").at(-2) ?? "machine");
       for (const [name] of machine) texts.delete(name);
     }
+    texts.delete("thermal.toml");
     const rest = [...texts];
     const part = rest.find(([name]) => name.toLowerCase().endsWith(".toml"));
     const named = part ? (await desk.bench.call("predict_programs", part[0], part[1])).map((path) => path.split("/").at(-1)!) : [];
@@ -179,7 +183,8 @@ export class Part {
       this.moved.textContent = "";
       this.sliding(this.found.document.at_mm);
       const { features } = this.found.document;
-      const kept = features.findIndex((of) => titled(of) === chosen);
+      const own = features[this.chosen];
+      const kept = own && titled(own) === chosen ? this.chosen : features.findIndex((of) => titled(of) === chosen);
       this.chosen = kept >= 0 ? kept : this.found.used.indexOf(Math.max(...this.found.used));
       this.show(this.found);
       this.explain();
@@ -221,7 +226,7 @@ export class Part {
   private sliding(at: Vector): void {
     const { range } = this;
     if (!range) return;
-    const same = this.sliders.length === 3 && this.sliders.every(({ input }, k) => Number(input.min) === range[k]![0] && Number(input.max) === range[k]![1]);
+    const same = this.sliders.length === 3 && this.sliders.every(({ input }, k) => Math.abs(Number(input.min) - range[k]![0]) < SAME_MM && Math.abs(Number(input.max) - range[k]![1]) < SAME_MM);
     if (!same) {
       this.sliders = ["X", "Y", "Z"].map((label, k) => slider({ label, unit: "mm", value: at[k]!, min: range[k]![0], max: range[k]![1] }, () => this.move()));
       this.place.replaceChildren(...this.sliders.map(({ root }) => root));
@@ -253,6 +258,7 @@ export class Part {
         const features = there.document.features.map((of, k) => ({ ...of, budget: found.document.features[k]?.budget ?? [] }));
         this.found = { ...found, ...there, document: { ...there.document, features } };
         this.moved.textContent = "While it moves: exact values, the scatter of the place before. At rest it is predicted anew.";
+        this.sentence.set("At another place: the verdicts are in the table.");
         this.show(this.found);
       }
     } catch (error) {

@@ -152,8 +152,12 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
         _ => None,
     };
     if let Some(to) = &arguments.report {
-        let shapes = shapes(&machine, &stated, &program, &part, &document)?;
-        let figures = [report::predict::picture(&shapes), report::predict::margins(&document)];
+        let mut figures = vec![report::predict::margins(&document)];
+        // The picture has no servo.
+        if document.servo.is_none() {
+            let shapes = shapes(&machine, &stated, &program, &part, &document)?;
+            figures.insert(0, report::predict::picture(&shapes));
+        }
         let page = document.shown().page("", figures);
         report::write_to(&mut outputs, &page, to, "predict.html")?;
     }

@@ -4,9 +4,10 @@ use crate::csv_in;
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use trueaxis_evaluation::predict::{Growth, GrowthModel, Part, Start, TEMPERATURES, TemperatureRecord};
+use trueaxis_evaluation::predict::{
+    Growth, Part, Start, TEMPERATURES, TemperatureRecord, growth_model, thermal_beside,
+};
 use trueaxis_tables::Machine;
-use trueaxis_tables::text::read_text;
 
 #[derive(Args)]
 #[command(next_help_heading = "Temperature")]
@@ -33,16 +34,10 @@ fn clock(text: &str) -> Result<f64> {
     }
 }
 
-/// The thermal.toml beside a machine.toml.
-fn model_beside(machine: &Path) -> Option<PathBuf> {
-    let path = if machine.is_dir() { machine.join("thermal.toml") } else { machine.with_file_name("thermal.toml") };
-    path.is_file().then_some(path)
-}
-
 impl TemperatureArgs {
     /// Files that a prediction of this part reads for the temperatures.
     pub(super) fn inputs(&self, part: &Part, machine: &Path) -> impl Iterator<Item = PathBuf> {
-        let model = model_beside(machine).filter(|_| self.thermal.is_some() || part.temperature.machine_c.is_some());
+        let model = thermal_beside(machine).filter(|_| self.thermal.is_some() || part.temperature.machine_c.is_some());
         self.thermal.clone().into_iter().chain(model)
     }
 
@@ -51,9 +46,7 @@ impl TemperatureArgs {
         if self.thermal.is_none() && part.temperature.machine_c.is_none() {
             return Ok(part);
         }
-        let file = model_beside(path);
-        let text = file.as_deref().map(|file| read_text(file, &['#'])).transpose()?;
-        let model = GrowthModel::of(machine, text.as_deref().zip(file.as_deref()))?;
+        let model = growth_model(machine, path)?;
         let growth = match (&self.thermal, part.temperature.machine_c) {
             (Some(record), _) => {
                 let record = TemperatureRecord::read(csv_in::open(record, &TEMPERATURES, "rows")?)?;

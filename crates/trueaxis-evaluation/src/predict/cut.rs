@@ -30,6 +30,8 @@ pub(super) struct Point {
     pub(super) ideal: DVec3,
     /// Move of the program, and parameter on its curve.
     pub(super) place: (usize, f64),
+    /// What the correction of the growth adds to that of the cold machine, as far as the limits of the axes admit.
+    pub(super) warm: [f64; AXES],
     /// Growth of the axes when it is cut.
     pub(super) growth: Lines,
     /// Direction from the tip of the tool to the spindle.
@@ -89,7 +91,6 @@ impl Cut {
             point.nominal = zero + to_part * point.nominal;
             point.pointing = to_part * point.pointing;
             point.tangent = to_part * point.tangent;
-            point.tangent = to_part * point.tangent;
         }
         self.normal = to_part * self.normal;
         if let Some(circle) = &mut self.circle {
@@ -119,8 +120,7 @@ impl Point {
         let cold = |errors: [f64; AXES]| std::array::from_fn(|axis| command[axis] + errors[axis]);
         let warm = |[errors, reverse]: Followed| {
             let cold: [f64; AXES] = cold(errors);
-            let sent = std::array::from_fn(|axis| cold[axis] + self.growth[axis].correction(cold[axis]));
-            Reached { sent, reverse }
+            Reached { sent: std::array::from_fn(|axis| cold[axis] + self.warm[axis]), reverse }
         };
         [self.corrected, self.everything] = [corrected, everything].map(warm);
         let [errors, reverse] = uncorrected;

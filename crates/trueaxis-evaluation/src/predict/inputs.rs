@@ -1,11 +1,12 @@
 //! A part with its programs and tasks from the folder of its file.
 
-use super::Part;
+use super::{GrowthModel, Part};
 use crate::calibrate::Task;
 use anyhow::{Result, bail};
 use std::fs::canonicalize;
 use std::path::{Path, PathBuf};
 use trueaxis_sim::program::{Program, ReadOptions, Source};
+use trueaxis_tables::Machine;
 use trueaxis_tables::text::read_text;
 
 /// Begin comments before a table.
@@ -75,4 +76,20 @@ pub fn own_task(part: &Path, name: &str, machine: &Path) -> Result<Task> {
         bail!("{file}: key machine: found {found}, needed {needed}, the machine that is predicted");
     }
     Ok(task)
+}
+
+/// The `thermal.toml` beside a machine.toml, or in its folder.
+pub fn thermal_beside(machine: &Path) -> Option<PathBuf> {
+    let path = if machine.is_dir() { machine.join("thermal.toml") } else { machine.with_file_name("thermal.toml") };
+    path.is_file().then_some(path)
+}
+
+/// The growth of a machine: that of the `thermal.toml` beside its file `path`, otherwise of its `[axis.X.thermal]`.
+///
+/// # Errors
+/// As [`GrowthModel::of`]; a file that cannot be read.
+pub fn growth_model(machine: &Machine, path: &Path) -> Result<GrowthModel> {
+    let file = thermal_beside(path);
+    let text = file.as_deref().map(|file| read_text(file, &['#'])).transpose()?;
+    GrowthModel::of(machine, text.as_deref().zip(file.as_deref()))
 }

@@ -56,7 +56,7 @@ pub use document::{Contribution, Known, PredictDocument, Predicted};
 pub use find::{Found, LeftOut, find, sections};
 pub use fixture::{Setup, Tool};
 pub use gear::{FlankDeviation, GearFlank};
-pub use inputs::{PartFiles, own_task};
+pub use inputs::{PartFiles, growth_model, own_task, thermal_beside};
 pub use live::{Live, There};
 pub use part::{Association, Characteristic, Feature, FeatureKind, Part, Side, Tolerance};
 pub use servo::ServoDocument;

@@ -101,7 +101,7 @@ fn in_setup(
                 within_travel(machine, program, step, &command)?;
                 let place = (index, u);
                 let growth = warm.map(|warm| warm.at(place)).unwrap_or_default();
-                let ([uncorrected, corrected], wanted) = drives.reach(command, &growth)?;
+                let Arrived { uncorrected, corrected, wanted, warm } = drives.reach(command, &growth)?;
                 if is_feature {
                     clipped.add(&machine.settings, &command, &wanted);
                     let Place { tip: ideal, direction: pointing } = placement.place_of(&command);
@@ -118,6 +118,7 @@ fn in_setup(
                         everything,
                         ideal,
                         place,
+                        warm,
                         growth,
                         pointing,
                     };
@@ -211,6 +212,16 @@ fn is_straight(step: &Move) -> bool {
     !step.rapid && matches!(step.curve, Curve::Line { .. }) && (step.tool_center || step.turn.change == [0.0; 3])
 }
 
+/// Where the drives bring the axes for a command.
+struct Arrived {
+    uncorrected: Reached,
+    corrected: Reached,
+    /// The correction without its limits.
+    wanted: [f64; AXES],
+    /// What its part for the growth adds to that of the cold machine, both within the limits.
+    warm: [f64; AXES],
+}
+
 /// The drives along the program, with and without correction.
 struct Drives<'m> {
     model: &'m dyn Model,
@@ -227,22 +238,23 @@ impl<'m> Drives<'m> {
         Drives { model, uncorrected: travel.clone(), corrected: travel, most }
     }
 
-    /// Positions and directions, without and with correction, and the correction without its limits.
-    fn reach(&mut self, command: [f64; AXES], growth: &Lines) -> Result<([Reached; 2], [f64; AXES])> {
+    fn reach(&mut self, command: [f64; AXES], growth: &Lines) -> Result<Arrived> {
         let reverse = |all: [Direction; AXES]| all.map(|one| if one == Direction::POSITIVE { 0.0 } else { 1.0 });
         let directions = self.uncorrected.arrive(&command, |_| Ok::<_, NoCorrection>([0.0; AXES]))?;
         let uncorrected = Reached { sent: command, reverse: reverse(directions) };
         let (model, most) = (self.model, self.most);
-        let wanted = |&directions: &[Direction; AXES]| {
-            let cold = model.correction(&compensate::Place { command, directions })?;
+        let cold = |&directions: &[Direction; AXES]| model.correction(&compensate::Place { command, directions });
+        let wanted = |directions: &[Direction; AXES]| {
+            let cold = cold(directions)?;
             let whole = |index: usize| cold[index] + growth[index].correction(command[index] + cold[index]);
             Ok::<_, NoCorrection>(std::array::from_fn(whole))
         };
         let limited = |wanted: [f64; AXES]| std::array::from_fn(|index| wanted[index].clamp(-most[index], most[index]));
         let directions = self.corrected.arrive(&command, |directions| wanted(directions).map(limited))?;
-        let wanted = wanted(&directions)?;
+        let (cold, wanted) = (limited(cold(&directions)?), wanted(&directions)?);
         let correction: [f64; AXES] = limited(wanted);
         let sent = std::array::from_fn(|index| command[index] + correction[index]);
-        Ok(([uncorrected, Reached { sent, reverse: reverse(directions) }], wanted))
+        let warm = std::array::from_fn(|index| correction[index] - cold[index]);
+        Ok(Arrived { uncorrected, corrected: Reached { sent, reverse: reverse(directions) }, wanted, warm })
     }
 }

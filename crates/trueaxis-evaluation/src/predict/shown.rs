@@ -84,7 +84,7 @@ impl PredictDocument {
             [false, true] => Some("temperature of the machine"),
         };
         let servo = if self.servo.is_some() { "uncertainty of the drives" } else { "servo" };
-        [Some(servo), temperature, Some("tool")].into_iter().flatten().collect::<Vec<_>>().join(", ")
+        [Some(servo), temperature, Some("bending")].into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 
     fn verdicts(&self) -> Table {

@@ -219,3 +219,29 @@ fn what_is_no_circle_and_no_edge_of_one_side_is_refused() {
     let error = refusal("G0 X0 Y0\nG1 X100\nX0\n", edge, "kind = \"straightness\"\nwidth_um = 9");
     assert!(error.contains("one.ngc:4") && error.contains("a pass in the other direction"), "{error}");
 }
+
+/// How the part lies in its second set-up does not change what the program cuts there.
+#[test]
+fn a_profile_is_the_same_however_its_set_up_is_turned() {
+    let files = Memory::new(Errors::stated().files(None));
+    let machine = Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap();
+    let stated = Uncertainties::read_from(&files, Path::new("machine.toml")).unwrap();
+    let none = Program::parse("none", "G21 G90 G17 G94 F600\nG0 X0 Y0 Z0\nX1\nM2\n", "none.ngc").unwrap();
+    let curve = "G21 G90 G17 G94 F600\nG0 X0 Y0 Z0\nG3 X30 Y30 I0 J30\nG2 X60 Y60 I30 J0\nM2\n";
+    let value = |turned: [i32; 3]| {
+        let text = format!(
+            "name = \"one\"\nat_mm = [0, 0, 0]\n[[setup]]\nname = \"s\"\nprogram = \"s.ngc\"\nat_mm = [-30, -30, 0]\n\
+             turned_deg = {turned:?}\n[[feature]]\nname = \"f\"\nkind = \"profile\"\nsetup = \"s\"\nlines = [3, 4]\n\
+             [[tolerance]]\nfeature = \"f\"\nkind = \"profile\"\nwidth_um = 9\n"
+        );
+        let mut part = Part::read(&text, Path::new("part.toml")).unwrap();
+        part.read_setups(|file| Program::parse("s", curve, file)).unwrap();
+        let found = predict(&machine, &stated, &none, &part, Options { trials: 200, seed: 1 }).unwrap();
+        found.features[0].uncorrected_um
+    };
+    let level = value([0, 0, 0]);
+    assert!(level > 0.3, "{level}");
+    for turned in [[0, 0, 30], [0, 0, 90], [90, 0, 0], [20, 40, 60]] {
+        assert!((value(turned) - level).abs() < 1e-6, "{turned:?}: {} for {level}", value(turned));
+    }
+}

@@ -11,6 +11,9 @@ use trueaxis_tables::uncertainty::Uncertainties;
 /// Change of a sensor that gives the derivative of the growth with respect to it, K: plausible in any model.
 const STEP_K: f64 = 0.1;
 
+/// Length over which a slope counts beside an offset, mm.
+const LEVER: f64 = 100.0;
+
 /// Name of the term of the part's own temperature, which no axis shows: [`part_length`] has its effect.
 const PART: &str = "part temperature";
 
@@ -22,13 +25,18 @@ pub(in crate::predict) fn add_terms(
     growth: Option<(&Growth, [f64; 2])>,
     part: Option<&Expansion>,
 ) {
+    let growth_known = stated.instrument.sensor_k.is_some() || stated.axes.iter().any(|axis| axis.growth.is_some());
+    let is_known = !terms.all.is_empty() || growth_known;
     if let Some((growth, [first, last])) = growth {
         growth.add_terms(terms, machine, stated, 0.5 * (first + last));
     }
-    // A part's temperature alone allows no verdict on a machine of which nothing is known.
-    if let Some(part) = part.filter(|_| !terms.all.is_empty()) {
+    if let Some(part) = part {
         let key = "temperature.part_u_k of the part's file";
         terms.put(key.into(), PART.into(), part.u_k, f64::INFINITY, |_| Effect::Along(Vec::new()));
+    }
+    // A thermal.toml or a part's temperature alone allow no verdict on a machine of which nothing is known.
+    if !is_known {
+        terms.all.clear();
     }
 }
 
@@ -121,20 +129,28 @@ impl Growth {
         self.temperatures(t_s).first().map_or(0.0, |celsius| celsius - self.model.reference_c)
     }
 
-    /// What one kelvin at a sensor adds to the axes; nothing where it has no effect.
+    /// What one kelvin at a sensor adds to the axes, upwards or downwards, whichever is more: beyond the ends of a curve the
+    /// growth is held. Nothing where it has no effect.
     fn per_kelvin(&self, sensor: usize, t_s: f64) -> Vec<Along> {
+        let ways = [STEP_K, -STEP_K].map(|step_k| self.over(step_k, sensor, t_s));
+        let size = |of: &[Along]| of.iter().map(|one| one.constant.abs() + LEVER * one.per_length.abs()).sum::<f64>();
+        let [up, down] = ways;
+        if size(&up) >= size(&down) { up } else { down }
+    }
+
+    /// The same over one step; nothing if the readings then are not plausible.
+    fn over(&self, step_k: f64, sensor: usize, t_s: f64) -> Vec<Along> {
         let warmer = |reading: &Reading| {
             let mut warmer = reading.clone();
-            warmer.temperatures_c.iter_mut().skip(sensor).take(1).for_each(|celsius| *celsius += STEP_K);
+            warmer.temperatures_c.iter_mut().skip(sensor).take(1).for_each(|celsius| *celsius += step_k);
             warmer
         };
         let readings: Vec<Reading> = self.readings.iter().map(warmer).collect();
-        // A reading at the end of the plausible range: the sensor's own uncertainty is then the least concern.
         let Ok((lines, _)) = self.model.lines(&readings) else { return Vec::new() };
         let warmer: Lines = Growth { lines, ..self.clone() }.at(t_s);
         let pairs = Axis::ALL.into_iter().zip(warmer.into_iter().zip(self.at(t_s)));
         let along = pairs.map(|(axis, (warm, own))| {
-            let [constant, per_length] = [warm.offset - own.offset, warm.slope - own.slope].map(|by| by / STEP_K);
+            let [constant, per_length] = [warm.offset - own.offset, warm.slope - own.slope].map(|by| by / step_k);
             // Positions and growth of a rotary axis are in degrees, its errors in rad.
             let unit = if axis.is_rotary() { 1f64.to_radians() } else { 1.0 };
             let (constant, per_length) = (unit * constant, unit * per_length);
