@@ -70,6 +70,16 @@ test("the sample, its budgets and its place are those of trueaxis predict", asyn
   // The chosen budget stays.
   await panel.getByRole("table", { name: "Budget of hole 3" }).waitFor();
 
+  // A warmer machine.
+  const warm = await cli([...predict(changed("at_mm = [90.0, -60.0, -250.0]", "temperature = { machine_c = 23 }\nat_mm = [20.0, -60.0, -250.0]")), "--json"]);
+  const celsius = panel.getByLabel("Machine / °C", { exact: true });
+  await celsius.fill("23");
+  await celsius.press("Enter");
+  await panel.getByText(/temperature.machine_c = 23/).waitFor();
+  await panel.getByText(/^plate, program plate.*growth/).waitFor({ timeout: 500 }).catch(() => {});
+  await page.waitForFunction(() => !document.body.textContent.includes("Predicting part.toml"));
+  await same(panel, warm);
+
   // The ends of the sliders are those of the travel.
   const slider = panel.getByLabel("X, slider");
   const [least, most] = [await slider.getAttribute("min"), await slider.getAttribute("max")].map(Number);

@@ -45,8 +45,12 @@ export interface Predicted extends There {
   notes: string[];
 }
 
-/** Lowest and highest place along X, Y and Z. */
-export type Range = [Ends, Ends, Ends];
+export interface Kept {
+  /** Lowest and highest place along X, Y and Z. */
+  range_mm: [Ends, Ends, Ends];
+  /** Temperature of a machine that grows. */
+  machine_c: number | null;
+}
 export type Ends = [low: number, high: number];
 
 /** Name and text of a file. */
@@ -58,6 +62,7 @@ export interface Request {
   /** Programs of further set-ups. */
   more: Text[];
   at_mm: Vector | null;
+  machine_c?: number | null;
   trials: number;
   seed: number;
 }

@@ -11,7 +11,7 @@ import { FIRST_MACHINE, Samples } from "../core/sample";
 import { word } from "../core/shell";
 import { Sentence, showTables, tabled } from "../core/shown";
 import type { Vector } from "../core/space";
-import { titled, type Predicted, type Range, type Request, type There } from "./documents";
+import { titled, type Kept, type Predicted, type Request, type There } from "./documents";
 import { Picture } from "./picture";
 import { Features } from "./table";
 
@@ -24,11 +24,13 @@ export interface ViewState {
 /** Draws in the page; the command line has 10,000. */
 const TRIALS = 1000;
 const NOTHING = "Drop a part.toml with its program, and the machine's folder unless it is the machine shown.";
-const SAMPLE: Request = { part: ["part.toml", partText], program: ["plate.ngc", programText], more: [], at_mm: null, trials: TRIALS, seed: 1 };
+const SAMPLE: Request = { part: ["part.toml", partText], program: ["plate.ngc", programText], more: [], at_mm: null, machine_c: null, trials: TRIALS, seed: 1 };
 /** Time without a move after which the part is predicted at its new place, ms. */
 const REST_MS = 600;
 /** Ends of the sliders that differ by rounding. */
 const SAME_MM = 1e-6;
+/** Temperatures of workshops. */
+const [COLDEST_C, WARMEST_C] = [5, 45];
 
 export class Part {
   private request: Request | undefined;
@@ -37,10 +39,10 @@ export class Part {
   /** Counts the predictions, so that a late response is discarded. */
   private latest = 0;
   /** The place that the sliders ask for while another one is computed. */
-  private wanted: Vector | undefined;
+  private wanted: [at: Vector, celsius: number | undefined] | undefined;
   private isMoving = false;
   private chosen = 0;
-  private range: Range | undefined;
+  private kept: Kept | undefined;
   private sliders: Field[] = [];
   private readonly fields: Record<"trials" | "seed", Field>;
   private readonly samples = new Samples([["Try a sample", () => this.trySample()]]);
@@ -72,7 +74,7 @@ export class Part {
       "div",
       { hidden: true },
       this.sentence.root,
-      el("div", { class: "columns" }, section("Features", this.picture.root), section("Place of the program's zero in the machine", this.place, this.moved, this.budget)),
+      el("div", { class: "columns" }, section("Features", this.picture.root), section("Place of the program's zero, temperature of the machine", this.place, this.moved, this.budget)),
       section("Tolerances", this.features.root, this.notes),
     );
     root.append(
@@ -169,12 +171,12 @@ export class Part {
     this.status.textContent = `Predicting ${request.part[0]} …`;
     try {
       const asked = JSON.stringify(request);
-      const [said, range] = await Promise.all([desk.runs.call("predict", desk.machine.json, asked), desk.bench.call("predict_keep", desk.machine.json, asked)]);
+      const [said, keep] = await Promise.all([desk.runs.call("predict", desk.machine.json, asked), desk.bench.call("predict_keep", desk.machine.json, asked)]);
       if (turn !== this.latest) return;
       const before = this.found?.document.features[this.chosen];
       const chosen = before && titled(before);
       this.found = JSON.parse(said) as Predicted;
-      this.range = JSON.parse(range) as Range;
+      this.kept = JSON.parse(keep) as Kept;
       desk.clear();
       const { shown, notes } = this.found;
       this.status.textContent = [`${shown.summary.join(", ")}.`, ...notes].join(" ");
@@ -222,24 +224,30 @@ export class Part {
     this.budget.replaceChildren(tabled({ caption: `Budget of ${titled(of)}`, header: ["term", "share, %", "standard uncertainty, µm"], rows, bars: 1 }));
   }
 
-  /** Sliders over the travel that the part leaves. */
+  /** Sliders over the travel that the part leaves, and of the temperature of a machine that grows. */
   private sliding(at: Vector): void {
-    const { range } = this;
-    if (!range) return;
-    const same = this.sliders.length === 3 && this.sliders.every(({ input }, k) => Math.abs(Number(input.min) - range[k]![0]) < SAME_MM && Math.abs(Number(input.max) - range[k]![1]) < SAME_MM);
+    if (!this.kept) return;
+    const { range_mm: range, machine_c: celsius } = this.kept;
+    const same = this.sliders.length === (celsius === null ? 3 : 4) && this.sliders.slice(0, 3).every(({ input }, k) => Math.abs(Number(input.min) - range[k]![0]) < SAME_MM && Math.abs(Number(input.max) - range[k]![1]) < SAME_MM);
     if (!same) {
       this.sliders = ["X", "Y", "Z"].map((label, k) => slider({ label, unit: "mm", value: at[k]!, min: range[k]![0], max: range[k]![1] }, () => this.move()));
+      if (celsius !== null) this.sliders.push(slider({ label: "Machine", unit: "°C", value: celsius, min: COLDEST_C, max: WARMEST_C }, () => this.move()));
       this.place.replaceChildren(...this.sliders.map(({ root }) => root));
     }
-    this.sliders.forEach((field, k) => (field.value = at[k]!));
+    this.sliders.forEach((field, k) => (field.value = at[k] ?? celsius!));
   }
 
   private move(): void {
-    const at = this.sliders.map(({ value }) => value) as Vector;
-    if (this.request) this.request.at_mm = at;
+    const [x, y, z, celsius] = this.sliders.map(({ value }) => value);
+    const at = [x, y, z] as Vector;
+    if (this.request) {
+      this.request.at_mm = at;
+      // A machine that stays as warm as it is needs no model of its growth.
+      if (celsius !== this.kept?.machine_c) this.request.machine_c = celsius ?? null;
+    }
     // An earlier prediction would bring the part back.
     this.latest += 1;
-    this.wanted = at;
+    this.wanted = [at, this.request?.machine_c ?? undefined];
     void this.follow();
     this.rest();
   }
@@ -250,9 +258,9 @@ export class Part {
     this.isMoving = true;
     try {
       while (this.wanted) {
-        const [at, turn] = [this.wanted, this.latest];
+        const [[at, celsius], turn] = [this.wanted, this.latest];
         this.wanted = undefined;
-        const there = JSON.parse(await this.desk.bench.call("predict_at", ...at)) as There;
+        const there = JSON.parse(await this.desk.bench.call("predict_at", ...at, celsius)) as There;
         const { found } = this;
         if (!found || (turn !== this.latest && !this.wanted)) continue;
         const features = there.document.features.map((of, k) => ({ ...of, budget: found.document.features[k]?.budget ?? [] }));
@@ -268,9 +276,11 @@ export class Part {
     }
   }
 
-  private describe({ part: [name], program: [program], at_mm, trials, seed }: Request): void {
+  private describe({ part: [name], program: [program], at_mm, machine_c, trials, seed }: Request): void {
     const machine = word(this.desk.machine.name);
-    const place = at_mm ? ` # with at_mm = [${at_mm.map((q) => significant(q, 6).replace("−", "-")).join(", ")}] in ${name}` : "";
+    const number = (q: number) => significant(q, 6).replace("−", "-");
+    const changes = [at_mm ? `at_mm = [${at_mm.map(number).join(", ")}]` : [], typeof machine_c === "number" ? `temperature.machine_c = ${number(machine_c)}` : []].flat();
+    const place = changes.length > 0 ? ` # with ${changes.join(" and ")} in ${name}` : "";
     this.command.set(`trueaxis predict ${machine} ${word(name)} --program ${word(program)} --trials ${trials} --seed ${seed}${place}`);
   }
 }

@@ -6,7 +6,9 @@ use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::path::Path;
-use trueaxis_evaluation::predict::{Live, Options, Part, PredictDocument, Shape, predict as evaluate, shapes};
+use trueaxis_evaluation::predict::{
+    GrowthModel, Live, Options, Part, PredictDocument, Shape, predict as evaluate, shapes,
+};
 use trueaxis_evaluation::shown::Shown;
 use trueaxis_sim::program::Program;
 use trueaxis_tables::Machine;
@@ -31,6 +33,9 @@ struct Request {
     more: Vec<[String; 2]>,
     /// Place of the program's zero; that of the part's file if `null`.
     at_mm: Option<[f64; 3]>,
+    /// Temperature of the machine, °C; that of the part's file if `null`.
+    #[serde(default)]
+    machine_c: Option<f64>,
     trials: u64,
     seed: u64,
 }
@@ -46,6 +51,15 @@ struct Predicted {
     used: Vec<f64>,
     shapes: Vec<Shape>,
     notes: Vec<String>,
+}
+
+/// Where a kept part can go.
+#[derive(Serialize)]
+struct Kept {
+    /// Lowest and highest place along X, Y and Z.
+    range_mm: [[f64; 2]; 3],
+    /// Temperature of the machine; `null` if it does not grow.
+    machine_c: Option<f64>,
 }
 
 /// The part at another place.
@@ -71,13 +85,16 @@ struct Read {
 }
 
 fn read(files: &str, request: &str) -> Result<Read> {
-    let Request { part: [part_name, part], program: [name, program], more, at_mm, trials, seed } =
+    let Request { part: [part_name, part], program: [name, program], more, at_mm, machine_c, trials, seed } =
         serde_json::from_str(request).context("the request of a part")?;
     let mut notes = Vec::new();
     let machine = machine(files, &mut notes)?;
     let stated = Uncertainties::read_from(&memory(files)?, Path::new(DESCRIPTION))?;
     let mut part = Part::read(&part, Path::new(&part_name))?;
     part.at_mm = at_mm.unwrap_or(part.at_mm);
+    if let Some(celsius) = machine_c {
+        part = part.at_temperature(GrowthModel::of(&machine, None)?, celsius)?;
+    }
     let parse = |name: &str, text: &str| {
         let stem = Path::new(name).file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
         Program::parse(&stem, text, name)
@@ -108,24 +125,26 @@ pub fn predict(files: &str, request: &str) -> Result<String, Refusal> {
     to_js(predicted(files, request))
 }
 
-/// Keeps the part of a request for [`predict_at`]; returns the lowest and highest place along X, Y and Z, mm.
+/// Keeps the part of a request for [`predict_at`]: `range_mm`, the lowest and highest place along X, Y and Z, and `machine_c`.
 #[wasm_bindgen]
 pub fn predict_keep(files: &str, request: &str) -> Result<String, Refusal> {
     let kept = || {
         let Read { machine, stated, program, part, options, .. } = read(files, request)?;
         let live = Live::new(&machine, &stated, &program, &part, options.seed)?;
-        let range_mm = live.range_mm()?;
+        let kept = Kept { range_mm: live.range_mm()?, machine_c: live.machine_c() };
         LIVE.set(Some(live));
-        json(&range_mm)
+        json(&kept)
     };
     to_js(kept())
 }
 
-/// The kept part with its program's zero at another place: `document` without budgets, `used`, `shapes`.
+/// The kept part with its program's zero at another place and the machine at another temperature: `document` without budgets,
+/// `used`, `shapes`.
 #[wasm_bindgen]
-pub fn predict_at(x_mm: f64, y_mm: f64, z_mm: f64) -> Result<String, Refusal> {
+pub fn predict_at(x_mm: f64, y_mm: f64, z_mm: f64, machine_c: Option<f64>) -> Result<String, Refusal> {
     to_js(LIVE.with_borrow(|live| {
-        let moved = live.as_ref().context("found no part, needed one that was kept")?.at([x_mm, y_mm, z_mm])?;
+        let moved =
+            live.as_ref().context("found no part, needed one that was kept")?.at([x_mm, y_mm, z_mm], machine_c)?;
         json(&There { used: used(&moved.document), document: moved.document, shapes: moved.shapes })
     }))
 }
@@ -156,20 +175,26 @@ mod tests {
     fn a_part_moves_to_where_it_is_predicted_again() {
         let part = include_str!("../../../records/plate/part.toml");
         let files = serde_json::to_string(&sample("mill-3axis").unwrap()).unwrap();
-        assert!(predict_at(0.0, 0.0, 0.0).is_err());
+        assert!(predict_at(0.0, 0.0, 0.0, None).is_err());
         let range = predict_keep(&files, &request(part, None)).unwrap();
         let there = [40.0, -90.0, -260.0];
-        let moved: Value = serde_json::from_str(&predict_at(there[0], there[1], there[2]).unwrap()).unwrap();
+        let moved: Value = serde_json::from_str(&predict_at(there[0], there[1], there[2], None).unwrap()).unwrap();
         let again: Value = serde_json::from_str(&predict(&files, &request(part, Some(there))).unwrap()).unwrap();
         let of = |whole: &Value, key: &str| -> Vec<f64> {
             whole["document"]["features"].as_array().unwrap().iter().map(|of| of[key].as_f64().unwrap()).collect()
         };
         assert_eq!(of(&moved, "corrected_um"), of(&again, "corrected_um"));
         assert_eq!(moved["shapes"][3]["corrected_um"], again["shapes"][3]["corrected_um"]);
-        let [[low, high], ..] = serde_json::from_str::<[[f64; 2]; 3]>(&range).unwrap();
+        let kept: Value = serde_json::from_str(&range).unwrap();
+        let [low, high] = [0, 1].map(|end| kept["range_mm"][0][end].as_f64().unwrap());
         for (x, is_within) in [(low, true), (high, true), (low - 0.1, false), (high + 0.1, false)] {
-            assert_eq!(predict_at(x, there[1], there[2]).is_ok(), is_within, "{x}");
+            assert_eq!(predict_at(x, there[1], there[2], None).is_ok(), is_within, "{x}");
         }
+        // 11.5 µm/(m K) over 3 K lengthen 90 mm along X by 3.1 µm: hole 2 from hole 1, which the correction removes again.
+        assert_eq!(kept["machine_c"], 20.0);
+        let warm: Value = serde_json::from_str(&predict_at(there[0], there[1], there[2], Some(23.0)).unwrap()).unwrap();
+        let grown = |key: &str| of(&warm, key)[7] - of(&moved, key)[7];
+        assert!((grown("uncorrected_um") - 3.105).abs() < 0.01 && grown("corrected_um").abs() < 0.01);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! A part that is moved about the machine, at the pace of a slider.
+//! A part that is moved about the machine, and warmed, at the pace of a slider.
 //!
 //! ```text
 //! p(place)   = points of the features at the place, by exact transforms with the correction there
@@ -20,7 +20,7 @@ use super::cut::State;
 use super::document::Outcome;
 use super::room::room;
 use super::shape::{Shape, drawn};
-use super::{CHECKED, Options, Part, PredictDocument, Prepared};
+use super::{CHECKED, GrowthModel, Options, Part, PredictDocument, Prepared};
 use anyhow::{Result, bail};
 use glam::{DVec3, Vec3};
 use trueaxis_metrology::cores::*;
@@ -93,13 +93,24 @@ impl Live {
         Ok(std::array::from_fn(|k| room[k].map(|way| self.part.at_mm[k] + way)))
     }
 
-    /// The part with its program's zero at `at_mm` of the machine; further set-ups stay where they are.
+    /// Temperature of the machine at the first place, °C: the part's, or that of its tables; none if it states no growth in
+    /// its machine.toml.
+    pub fn machine_c(&self) -> Option<f64> {
+        let reference_c = self.machine.settings.reference_temperature_c;
+        GrowthModel::of(&self.machine, None).ok().map(|_| self.part.temperature.machine_c.unwrap_or(reference_c))
+    }
+
+    /// The part with its program's zero at `at_mm` of the machine, whose temperature is `machine_c` from now on, °C; further
+    /// set-ups stay where they are.
     ///
     /// # Errors
-    /// A place at which the program leaves the travel.
-    pub fn at(&self, at_mm: [f64; 3]) -> Result<There> {
+    /// A place at which the program leaves the travel; a temperature of a machine without growth, or that no machine has.
+    pub fn at(&self, at_mm: [f64; 3], machine_c: Option<f64>) -> Result<There> {
         let Live { machine, stated, program, seed, .. } = self;
-        let part = Part { at_mm, ..self.part.clone() };
+        let mut part = Part { at_mm, ..self.part.clone() };
+        if let Some(celsius) = machine_c {
+            part = part.at_temperature(GrowthModel::of(machine, None)?, celsius)?;
+        }
         let prepared = Prepared::new(machine, stated, program, &part)?;
         let model = prepared.model(machine, &part);
         let nothing = model.nothing();

@@ -56,7 +56,7 @@ fn same_intervals(found: &[Predicted], wanted: &[Predicted], most: impl Fn(&Pred
 #[test]
 fn where_it_was_prepared_a_moved_part_is_the_predicted_one() {
     let plate = Plate::on(Some(&KNOWN));
-    let found = plate.live().at(AT).unwrap().document;
+    let found = plate.live().at(AT, None).unwrap().document;
     let wanted = plate.predicted(AT);
     // The same parts cut; derivatives differ from them by a twentieth of the scatter at most.
     let is_cut = |of: &Predicted| of.known.as_ref().unwrap().parts_cut.is_some();
@@ -69,7 +69,7 @@ fn elsewhere_values_are_exact_and_so_is_the_scatter_of_what_is_the_same_everywhe
     let uniform = Known { shift: 0.0, turn: 0.0, play: 0.0, ..KNOWN };
     let plate = Plate::on(Some(&uniform));
     let live = plate.live();
-    let (found, wanted) = (live.at(ELSEWHERE).unwrap().document.features, plate.predicted(ELSEWHERE));
+    let (found, wanted) = (live.at(ELSEWHERE, None).unwrap().document.features, plate.predicted(ELSEWHERE));
     for ((found, wanted), here) in found.iter().zip(&wanted).zip(plate.predicted(AT)) {
         let [is, was] = [found, wanted].map(|of| [of.uncorrected_um, of.corrected_um]);
         let case = format!("{} {}: {is:?} for {was:?}", found.feature, found.kind);
@@ -110,7 +110,7 @@ fn a_shape_deviates_as_another_plant_cuts_it() {
 #[test]
 fn verdict_and_share_of_a_shape_are_those_of_its_worst_characteristic() {
     let plate = Plate::on(Some(&Known { approach: 1.2e-3, ..KNOWN }));
-    let found = plate.live().at(AT).unwrap();
+    let found = plate.live().at(AT, None).unwrap();
     let bore = &found.shapes[3];
     let own: Vec<&Predicted> = found.document.features.iter().filter(|of| of.feature == "f3").collect();
     let verdicts: Vec<&str> = own.iter().map(|of| of.known.as_ref().unwrap().verdict).collect();
@@ -123,6 +123,6 @@ fn verdict_and_share_of_a_shape_are_those_of_its_worst_characteristic() {
 
 #[test]
 fn a_place_beyond_the_travel_is_refused() {
-    let error = Plate::on(Some(&KNOWN)).live().at([150.0, 0.0, 0.0]).unwrap_err().to_string();
+    let error = Plate::on(Some(&KNOWN)).live().at([150.0, 0.0, 0.0], None).unwrap_err().to_string();
     assert!(error.contains("axis X at") && error.contains("within its travel, -200 to 200 mm"), "{error}");
 }
