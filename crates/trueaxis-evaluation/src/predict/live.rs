@@ -13,8 +13,8 @@
 //! The values are exact at every place. The scatter is exact at home, where it is that of [`predict`](super::predict()) with
 //! 200 draws. At another place it is exact for quantities with the same effect everywhere (squareness, scale, repeatability
 //! of an approach) as far as the datums follow the part, and approximate for points of tables, whose uncertainties may differ
-//! along an axis, and for angular errors, whose levers change with the place. The fits are repeated for every draw, so that a
-//! zone that the new place widens is not counted twice.
+//! along an axis, for angular errors, whose levers change with the place, and for what is not known of growth. The fits are
+//! repeated for every draw, so that a zone that the new place widens is not counted twice.
 
 use super::cut::State;
 use super::document::Outcome;
