@@ -29,8 +29,8 @@ use trueaxis_tables::Machine;
 use trueaxis_tables::uncertainty::Uncertainties;
 
 /// Fits that a move has time for, and fewest draws fitted again.
-const FITS: usize = 1_400;
-const FEWEST: usize = 20;
+const FITS: usize = 800;
+const FEWEST: usize = 16;
 
 /// Deviations of a drawn part from the stated one by feature and point, mm.
 type Scatter = Vec<Vec<Vec3>>;
