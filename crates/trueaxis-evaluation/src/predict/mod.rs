@@ -15,8 +15,8 @@
 //! the derivatives. 200 of them are also cut by exact transforms and fitted again. Where the two differ, as for the width of
 //! a zone, which cannot fall below zero, all draws are cut that way in place of the derivatives.
 //!
-//! [`temperature`] adds the growth of machine and part where temperatures are known; with runs of [`servo`] the axes are where
-//! the drives bring them. The result excludes the process.
+//! Where temperatures are known the growth of machine and part is added; with runs of the servo the axes are where the drives
+//! bring them. The result excludes the process.
 //!
 //! Sources: JCGM 101:2008, clause 7; ISO 14253-1:2017, clause 5; ISO 1101:2017 (zones); ISO 5459:2011 (datums).
 

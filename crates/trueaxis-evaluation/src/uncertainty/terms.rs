@@ -45,6 +45,7 @@ pub(crate) enum Effect {
     /// A location error: standard uncertainty, mm or rad.
     Location(Source, f64),
     /// Of a part's set-up or tool, not of the machine.
+    #[cfg_attr(not(feature = "simulation"), expect(dead_code, reason = "predicted parts alone have it"))]
     Part,
 }
 
