@@ -145,7 +145,7 @@ fn picture_of_the_documents(page: &str) {
     for label in ["bore ?", "hole 3 ✓", "front ✓"] {
         assert!(part.contains(label), "{label}");
     }
-    // As a file of its own, on white paper.
+    // A standalone file needs its own white background.
     let (root, drawn) = part.split_once('>').unwrap();
     let svg = format!("<svg viewBox{root}>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{drawn}</svg>\n")
         .replace("><", ">\n<");

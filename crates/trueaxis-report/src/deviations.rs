@@ -147,7 +147,8 @@ impl Frame {
     }
 }
 
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+/// Lowest and highest value; zeros without values.
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let range = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
     if range[0] <= range[1] { range } else { [0.0, 0.0] }
 }

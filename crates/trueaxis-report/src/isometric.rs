@@ -1,3 +1,4 @@
+use crate::deviations::range;
 use crate::{
     Colour, Figure, Scale, Stroke, colour,
     number::{nearest_round, significant},
@@ -91,11 +92,6 @@ pub fn isometric(description: &str, caption: &str, edges: &[Edge<'_>]) -> Figure
 fn flat([x, y, z]: [f64; 3]) -> [f64; 2] {
     let (sine, cosine) = std::f64::consts::FRAC_PI_6.sin_cos();
     [cosine * (x - y), sine * (x + y) + z]
-}
-
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let range = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
-    if range[0] <= range[1] { range } else { [0.0, 0.0] }
 }
 
 #[cfg(test)]

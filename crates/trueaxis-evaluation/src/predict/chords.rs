@@ -1,18 +1,18 @@
 //! Circles that a program approximates by chords.
 
+use super::circle::Circle;
 use glam::{DVec2, DVec3};
 use trueaxis_metrology::circles::least_squares;
 
 /// Largest angle of a chord, rad, and largest distance between it and its arc, mm: a polygon turns more or is farther away.
-const MOST_TURN: f64 = 0.53;
+pub(super) const MOST_TURN: f64 = 0.53;
 const MOST_HEIGHT: f64 = 0.1;
 /// Fewest ends of chords: three are on a circle wherever they are.
-const FEWEST: usize = 5;
+pub(super) const FEWEST: usize = 5;
 
-/// Centre and radius of the circle on which the ends of chords are, and the angle that they cover.
+/// The circle on which the ends of chords are, and the angle that they cover, rad.
 pub(super) struct Chords {
-    pub(super) centre: DVec3,
-    pub(super) radius: f64,
+    pub(super) circle: Circle,
     pub(super) angle: f64,
 }
 
@@ -38,5 +38,8 @@ pub(super) fn circle_of_chords(ends: &[DVec3], normal: DVec3, near: f64) -> Opti
         turn.abs() <= MOST_TURN && turn * turns[0] > 0.0 && radius * (1.0 - (0.5 * turn).cos()) <= MOST_HEIGHT
     };
     let centre = first + centre.x * along + centre.y * across;
-    turns.iter().all(is_chord).then(|| Chords { centre, radius, angle: turns.iter().sum::<f64>().abs() })
+    turns
+        .iter()
+        .all(is_chord)
+        .then(|| Chords { circle: Circle { centre, radius }, angle: turns.iter().sum::<f64>().abs() })
 }

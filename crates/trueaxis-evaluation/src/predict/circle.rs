@@ -13,25 +13,29 @@ pub(super) struct Circle {
 }
 
 impl Circle {
-    /// Whether another circle is the same within the rounding of a program.
+    /// Whether two circles are equal within the rounding of a program.
     pub(super) fn is_near(&self, other: &Circle) -> bool {
         (self.centre - other.centre).length() <= NEAR && (self.radius - other.radius).abs() <= NEAR
     }
 }
 
-/// The circle through points, with its normal; none if they are within a millimetre of a line.
-pub(super) fn circle_through(points: &[DVec3]) -> Option<(Circle, DVec3)> {
+/// The first of some points, the one farthest from it, and the one farthest from the line through both; none if all are one.
+pub(super) fn apart(points: &[DVec3]) -> Option<[DVec3; 3]> {
     let farthest = |distance: &dyn Fn(DVec3) -> f64| {
         points.iter().copied().max_by(|one, other| distance(*one).total_cmp(&distance(*other)))
     };
     let one = *points.first()?;
     let other = farthest(&|point| (point - one).length())?;
     let along = (other - one).try_normalize()?;
-    let from_line = |point: DVec3| (point - one).reject_from_normalized(along).length();
-    let third = farthest(&from_line)?;
+    Some([one, other, farthest(&|point| (point - one).reject_from_normalized(along).length())?])
+}
+
+/// The circle through points, with its normal; none if they are within a millimetre of a line.
+pub(super) fn circle_through(points: &[DVec3]) -> Option<(Circle, DVec3)> {
+    let [one, other, third] = apart(points)?;
     let (a, b) = (other - one, third - one);
     let normal = a.cross(b);
-    if from_line(third) < 1.0 {
+    if normal.length() < a.length() {
         return None;
     }
     let to_centre =

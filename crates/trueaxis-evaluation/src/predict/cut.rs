@@ -18,7 +18,7 @@ pub(super) struct Point {
     /// Programmed point, mm: in workpiece coordinates from the zero of the first set-up's program. With the rotary axes at
     /// zero these are the program's.
     pub(super) nominal: DVec3,
-    /// Direction of the pass; zero on a feature that is no profile.
+    /// Direction of the pass at a point of a profile; zero on other features.
     pub(super) tangent: DVec3,
     /// Whether two straight moves meet there.
     pub(super) joint: bool,
@@ -99,11 +99,10 @@ impl Cut {
         self.to_part = to_part;
     }
 
-    /// Whether only the end of a move is on the feature: a chord of a circle, a step over a flank.
+    /// Whether only the end of a move lies on the feature, as for a chord of a circle or a step over a flank.
     pub(super) fn is_chord(&self, step: &Move) -> bool {
-        let is_straight = step.tool_center || step.turn.change == [0.0; 3];
         match self.kind {
-            FeatureKind::Circle => self.circle.is_none() && is_straight,
+            FeatureKind::Circle => self.circle.is_none() && step.keeps_its_curve(),
             kind => kind == FeatureKind::Flank,
         }
     }

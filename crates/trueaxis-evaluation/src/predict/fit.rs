@@ -1,5 +1,6 @@
 //! Least-squares features through the points that are cut (ISO 14405-1, ISO 12180 to 12781: association by least squares).
 
+use super::chords::{FEWEST, MOST_TURN};
 use super::circle::{Circle, NEAR, circle_through};
 use super::cut::Cut;
 use super::gear::Traces;
@@ -9,11 +10,8 @@ use anyhow::{Result, anyhow};
 use glam::{DMat3, DVec3};
 use trueaxis_metrology::circles::least_squares;
 
-/// Fewest points of a circle.
-const FEWEST: usize = 5;
-/// Smallest part of a circle, and largest angle between two ends of its chords, degrees: a square is none.
+/// Smallest part of a circle, degrees: the points on a quarter of it span less.
 const LEAST_ARC: f64 = 75.0;
-const MOST_CHORD: f64 = 31.0;
 
 /// Directions and place of a feature as programmed.
 #[derive(Clone, Debug)]
@@ -76,7 +74,7 @@ impl Nominal {
                     from.dot(normal).abs().max((from.reject_from_normalized(normal).length() - radius).abs())
                 };
                 let [arc, chord] = angles(&points, centre, normal);
-                if arc < LEAST_ARC || cut.circle.is_none() && chord > MOST_CHORD {
+                if arc < LEAST_ARC || cut.circle.is_none() && chord > MOST_TURN.to_degrees() {
                     return Err("a quarter of a circle or more, of arcs, or of chords of 30 degrees at most");
                 }
                 if points.len() < FEWEST || points.iter().map(off).fold(0.0, f64::max) > 2.0 * NEAR {

@@ -23,6 +23,12 @@ pub(super) fn circle_of(step: &Move) -> Option<Circle> {
     is_level.then(|| Circle { centre, radius: (start - centre).length() })
 }
 
+/// Start and end of a move.
+pub(super) fn ends(step: &Move) -> [DVec3; 2] {
+    let (first, last) = step.curve.domain();
+    [first, last].map(|u| DVec3::from(step.curve.position(u)))
+}
+
 /// Angle of an arc, rad.
 pub(super) fn turn(arc: &Curve) -> f64 {
     let (Curve::Arc { center, .. }, (first, last)) = (arc, arc.domain()) else { return std::f64::consts::TAU };
@@ -33,7 +39,7 @@ pub(super) fn turn(arc: &Curve) -> f64 {
 
 /// Length of the tip's path on the workpiece, mm.
 pub(super) fn length(placement: &Placement, step: &Move) -> f64 {
-    if step.tool_center || step.turn.change == [0.0; 3] {
+    if step.keeps_its_curve() {
         return step.curve.length();
     }
     let (first, last) = step.curve.domain();
@@ -57,7 +63,7 @@ fn directions(placement: &Placement, step: &Move) -> DMat3 {
 
 /// The circle that an arc cuts on the workpiece; none if it is a helix, or if a rotary axis turns the workpiece meanwhile.
 fn circle_on_workpiece(placement: &Placement, step: &Move) -> Option<Circle> {
-    if !step.tool_center && step.turn.change != [0.0; 3] {
+    if !step.keeps_its_curve() {
         return None;
     }
     let Circle { centre, radius } = circle_of(step)?;
@@ -89,8 +95,8 @@ pub(super) fn found(program: &Program, part: &Part, feature: &Feature, placement
     }
     if let (FeatureKind::Line, Some(_)) = (feature.kind, feature.side) {
         let along = |step: &Move| {
-            let [start, end] = [step.curve.domain().0, step.curve.domain().1].map(|u| step.curve.position(u));
-            DVec3::from(end) - DVec3::from(start)
+            let [start, end] = ends(step);
+            end - start
         };
         if let Some((_, back)) = cutting.iter().find(|(_, other)| along(other).dot(along(step)) < 0.0) {
             return Err(refuse(

@@ -8,7 +8,7 @@
 //! Where short moves approximate a curve, their ends are evaluated, with the mean direction of the two moves that meet: the
 //! difference between chords and curve is the programming's, and excluded.
 
-use super::circle::NEAR;
+use super::circle::{NEAR, apart};
 use super::cut::{Cut, Point};
 use glam::DVec3;
 
@@ -69,12 +69,9 @@ pub(super) fn settle(cut: &mut Cut) -> Result<(), Wrong> {
 
 /// The normal of the plane that all points are in; `Some(None)` if they are in none, `None` if they are on a line.
 fn plane_of(places: &[DVec3]) -> Option<Option<DVec3>> {
-    let first = *places.first()?;
-    let farthest = |of: &dyn Fn(DVec3) -> f64| {
-        places.iter().copied().max_by(|one, other| of(*one - first).total_cmp(&of(*other - first)))
-    };
-    let along = (farthest(&|from| from.length())? - first).try_normalize()?;
-    let aside = (farthest(&|from| from.reject_from_normalized(along).length())? - first).reject_from_normalized(along);
+    let [first, other, third] = apart(places)?;
+    let along = (other - first).try_normalize()?;
+    let aside = (third - first).reject_from_normalized(along);
     let across = along.cross(aside.try_normalize().filter(|_| aside.length() > NEAR)?);
     let is_flat = places.iter().all(|place| (*place - first).dot(across).abs() <= NEAR);
     Some(is_flat.then_some(across))

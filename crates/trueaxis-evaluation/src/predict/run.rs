@@ -209,7 +209,7 @@ fn tangent(step: &Move, u: f64, placement: &Placement) -> DVec3 {
 
 /// Whether a move cuts along a line.
 fn is_straight(step: &Move) -> bool {
-    !step.rapid && matches!(step.curve, Curve::Line { .. }) && (step.tool_center || step.turn.change == [0.0; 3])
+    !step.rapid && matches!(step.curve, Curve::Line { .. }) && step.keeps_its_curve()
 }
 
 /// Where the drives bring the axes for a command.

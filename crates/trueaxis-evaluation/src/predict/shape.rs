@@ -19,7 +19,7 @@ const MOST: usize = 73;
 pub struct Shape {
     /// Name of the feature.
     pub feature: String,
-    /// Its kind: `circle`, `hole`, `line` or `plane`.
+    /// Its kind, as a part's file names it.
     pub kind: &'static str,
     /// Whether the last point joins the first: a full circle.
     pub closed: bool,

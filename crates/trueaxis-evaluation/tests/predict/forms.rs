@@ -1,6 +1,6 @@
 //! Minimum zones, profiles and inclined planes of a part, against other formulas.
 
-use super::plant::{Errors, Known, Place, Step, V, approaches, cut, dot, program, run, sub};
+use super::plant::{Errors, Known, Place, Step, V, approaches, cut, dot, lines, program, run, sub};
 use super::{AT, KNOWN, measured, predict_drawn, predict_part};
 use std::f64::consts::TAU;
 use trueaxis_testing::noise::Noise;
@@ -79,12 +79,7 @@ fn steps() -> Vec<Step> {
 fn part(steps: &[Step]) -> String {
     let mut text = format!("name = \"forms\"\nat_mm = {AT:?}\n");
     for (feature, kind) in KINDS.iter().enumerate() {
-        let of = |step: &Step| match step {
-            Step::Line(_, own) => *own == Some(feature),
-            Step::Turn(_, own) => *own == feature,
-            Step::Rapid(_) => false,
-        };
-        let lines = [steps.iter().position(of).unwrap() + 2, steps.iter().rposition(of).unwrap() + 2];
+        let lines = lines(steps, feature);
         text += &format!("[[feature]]\nname = \"f{feature}\"\nkind = \"{kind}\"\nlines = {lines:?}\n");
     }
     for (feature, kind, rest) in TOLERANCES {

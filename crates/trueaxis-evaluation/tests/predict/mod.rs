@@ -13,7 +13,7 @@ mod thirty;
 mod trunnion;
 
 use measured::{along, circle, flatness, hole, levelled, line};
-use plant::{Errors, Known, Place, Step, V, approaches, cut, program, run};
+use plant::{Errors, Known, Place, Step, V, approaches, cut, edge, lines, program, run, top};
 use std::path::Path;
 use trueaxis_evaluation::predict::{Options, Part, PredictDocument, find, predict};
 use trueaxis_sim::program::Program;
@@ -35,39 +35,17 @@ const COUNT: usize = 7;
 
 /// A plate: top, front and left edge, a bore, two holes; which lines cut them.
 fn plate() -> (Vec<Step>, Vec<[usize; 2]>) {
-    let mut steps = vec![Step::Rapid([-5.0, 5.0, 20.0]), Step::Rapid([-5.0, 5.0, 0.0])];
-    for (k, y) in [5.0, 25.0, 45.0, 65.0].into_iter().enumerate() {
-        let [from, to] = if k % 2 == 0 { [-5.0, 125.0] } else { [125.0, -5.0] };
-        if k > 0 {
-            steps.push(Step::Line([from, y, 0.0], Some(0)));
-        }
-        steps.push(Step::Line([to, y, 0.0], Some(0)));
-    }
-    let edge = |steps: &mut Vec<Step>, from: V, to: V, feature: usize| {
-        let [x, y, z] = from;
-        steps.extend([Step::Rapid([x, y, 20.0]), Step::Rapid([x, y, z]), Step::Line(to, Some(feature))]);
-        steps.push(Step::Rapid([to[0], to[1], 20.0]));
-    };
-    edge(&mut steps, [-8.0, -5.0, -12.0], [128.0, -5.0, -12.0], 1);
-    edge(&mut steps, [-5.0, 88.0, -12.0], [-5.0, -8.0, -12.0], 2);
+    let mut steps = top(0);
+    steps.extend(edge([-8.0, -5.0, -12.0], [128.0, -5.0, -12.0], 1));
+    steps.extend(edge([-5.0, 88.0, -12.0], [-5.0, -8.0, -12.0], 2));
     steps.extend([Step::Rapid([60.0, 40.0, 20.0]), Step::Line(CENTRE, None), Step::Line([75.0, 40.0, -10.0], None)]);
     steps.extend([Step::Turn(CENTRE, 3), Step::Rapid([75.0, 40.0, 20.0])]);
     for (feature, [x, y, z]) in (4..).zip(HOLES) {
         steps.extend([Step::Rapid([x, y, 20.0]), Step::Rapid([x, y, 2.0]), Step::Line([x, y, z], Some(feature))]);
         steps.push(Step::Rapid([x, y, 20.0]));
     }
-    edge(&mut steps, BEVEL[0], BEVEL[1], 6);
-    let cuts = |step: &Step, feature: usize| match step {
-        Step::Line(_, own) => *own == Some(feature),
-        Step::Turn(_, own) => *own == feature,
-        Step::Rapid(_) => false,
-    };
-    let line = |index: usize| index + 2;
-    let lines = (0..COUNT).map(|feature| {
-        let of = |step: &Step| cuts(step, feature);
-        [line(steps.iter().position(of).unwrap()), line(steps.iter().rposition(of).unwrap())]
-    });
-    let lines = lines.collect();
+    steps.extend(edge(BEVEL[0], BEVEL[1], 6));
+    let lines = (0..COUNT).map(|feature| lines(&steps, feature)).collect();
     (steps, lines)
 }
 
@@ -108,12 +86,16 @@ fn predict_part(known: Option<&Known>, program: &str, part: &str) -> anyhow::Res
     predict_drawn(known, program, part, 2_000)
 }
 
-/// With a tenth of 10,000 draws, or at least so many.
-fn predict_drawn(known: Option<&Known>, program: &str, part: &str, least: usize) -> anyhow::Result<PredictDocument> {
+/// The stated machine, with these uncertainties.
+fn machine(known: Option<&Known>) -> (Machine, Uncertainties) {
     let files = Memory::new(Errors::stated().files(known));
     let toml = Path::new("machine.toml");
-    let machine = Machine::read_from(&files, toml, &mut |_| {}).unwrap();
-    let stated = Uncertainties::read_from(&files, toml).unwrap();
+    (Machine::read_from(&files, toml, &mut |_| {}).unwrap(), Uncertainties::read_from(&files, toml).unwrap())
+}
+
+/// With a tenth of 10,000 draws, or at least so many.
+fn predict_drawn(known: Option<&Known>, program: &str, part: &str, least: usize) -> anyhow::Result<PredictDocument> {
+    let (machine, stated) = machine(known);
     let program = Program::parse("plate", program, "plate.ngc").unwrap();
     let part = Part::read(part, Path::new("part.toml"))?;
     predict(&machine, &stated, &program, &part, Options { trials: share(10_000).max(least) as u64, seed: 7 })

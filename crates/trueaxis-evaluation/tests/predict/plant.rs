@@ -183,6 +183,35 @@ pub(super) enum Step {
     Turn(V, usize),
 }
 
+/// Four rows over the top of a plate, to and fro.
+pub(super) fn top(feature: usize) -> Vec<Step> {
+    let mut steps = vec![Step::Rapid([-5.0, 5.0, 20.0]), Step::Rapid([-5.0, 5.0, 0.0])];
+    for (k, y) in [5.0, 25.0, 45.0, 65.0].into_iter().enumerate() {
+        let [from, to] = if k % 2 == 0 { [-5.0, 125.0] } else { [125.0, -5.0] };
+        if k > 0 {
+            steps.push(Step::Line([from, y, 0.0], Some(feature)));
+        }
+        steps.push(Step::Line([to, y, 0.0], Some(feature)));
+    }
+    steps
+}
+
+/// An edge, approached and left from above.
+pub(super) fn edge(from: V, to: V, feature: usize) -> [Step; 4] {
+    let above = |[x, y, _]: V| Step::Rapid([x, y, 20.0]);
+    [above(from), Step::Rapid(from), Step::Line(to, Some(feature)), above(to)]
+}
+
+/// First and last line of [`program`] that cut a feature.
+pub(super) fn lines(steps: &[Step], feature: usize) -> [usize; 2] {
+    let of = |step: &Step| match step {
+        Step::Line(_, own) => *own == Some(feature),
+        Step::Turn(_, own) => *own == feature,
+        Step::Rapid(_) => false,
+    };
+    [steps.iter().position(of), steps.iter().rposition(of)].map(|at| at.unwrap() + 2)
+}
+
 /// Lines of the program, one for each move after the first line.
 pub(super) fn program(steps: &[Step]) -> String {
     let mut text = String::from("G21 G90 G17 G94 F600\n");

@@ -1,13 +1,10 @@
 //! A part cut in two set-ups, by tools whose diameter and length are not exactly known.
 
 use super::measured::{circle, hole, line};
-use super::plant::{Errors, Known, Place, Step, V, approaches, cut, program, run};
+use super::plant::{Errors, Known, Place, Step, V, approaches, cut, edge, program, run};
 use std::path::Path;
 use trueaxis_evaluation::predict::{Options, Part, PredictDocument, predict};
 use trueaxis_sim::program::Program;
-use trueaxis_tables::Machine;
-use trueaxis_tables::files::Memory;
-use trueaxis_tables::uncertainty::Uncertainties;
 use trueaxis_testing::noise::Noise;
 use trueaxis_testing::scatter::normal;
 use trueaxis_testing::share::share;
@@ -29,8 +26,7 @@ fn steps() -> [Vec<Step>; 2] {
     let mut first = Vec::new();
     let edges = [([-8.0, -5.0], [128.0, -5.0]), ([-5.0, 88.0], [-5.0, -8.0]), ([128.0, 85.0], [-8.0, 85.0])];
     for (feature, ([x, y], [to_x, to_y])) in edges.into_iter().enumerate() {
-        first.extend([Step::Rapid([x, y, 20.0]), Step::Rapid([x, y, -12.0])]);
-        first.extend([Step::Line([to_x, to_y, -12.0], Some(feature)), Step::Rapid([to_x, to_y, 20.0])]);
+        first.extend(edge([x, y, -12.0], [to_x, to_y, -12.0], feature));
     }
     first.extend([Step::Rapid([60.0, 40.0, 20.0]), Step::Line(CENTRE, None), Step::Line([75.0, 40.0, -10.0], None)]);
     first.extend([Step::Turn(CENTRE, 3), Step::Rapid([75.0, 40.0, 20.0])]);
@@ -59,10 +55,7 @@ fn part(with: &str) -> String {
 }
 
 fn predicted(known: Option<&Known>, part: &str) -> anyhow::Result<PredictDocument> {
-    let files = Memory::new(Errors::stated().files(known));
-    let toml = Path::new("machine.toml");
-    let machine = Machine::read_from(&files, toml, &mut |_| {}).unwrap();
-    let stated = Uncertainties::read_from(&files, toml).unwrap();
+    let (machine, stated) = super::machine(known);
     let [first, second] = steps().map(|steps| program(&steps));
     let first = Program::parse("first", &first, "first.ngc").unwrap();
     let mut part = Part::read(part, Path::new("part.toml"))?;
@@ -195,9 +188,7 @@ fn set_ups_and_tools_that_cannot_be_are_refused() {
 /// A plate's bore as other lines: outlines and arcs that are no circle, and an edge that is cut forth and back.
 #[test]
 fn what_is_no_circle_and_no_edge_of_one_side_is_refused() {
-    let files = Memory::new(Errors::stated().files(None));
-    let machine = Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap();
-    let stated = Uncertainties::read_from(&files, Path::new("machine.toml")).unwrap();
+    let (machine, stated) = super::machine(None);
     let refusal = |program: &str, feature: &str, tolerance: &str| {
         let program = Program::parse("one", &format!("G21 G90 G17 G94 F600\n{program}M2\n"), "one.ngc").unwrap();
         let text = format!(
@@ -223,9 +214,7 @@ fn what_is_no_circle_and_no_edge_of_one_side_is_refused() {
 /// How the part lies in its second set-up does not change what the program cuts there.
 #[test]
 fn a_profile_is_the_same_however_its_set_up_is_turned() {
-    let files = Memory::new(Errors::stated().files(None));
-    let machine = Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap();
-    let stated = Uncertainties::read_from(&files, Path::new("machine.toml")).unwrap();
+    let (machine, stated) = super::machine(None);
     let none = Program::parse("none", "G21 G90 G17 G94 F600\nG0 X0 Y0 Z0\nX1\nM2\n", "none.ngc").unwrap();
     let curve = "G21 G90 G17 G94 F600\nG0 X0 Y0 Z0\nG3 X30 Y30 I0 J30\nG2 X60 Y60 I30 J0\nM2\n";
     let value = |turned: [i32; 3]| {

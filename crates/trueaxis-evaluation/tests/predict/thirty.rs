@@ -2,14 +2,11 @@
 //! the manner of NAS 979 and ISO 10791-7, a plate of holes, bores.
 
 use super::measured::{along, circle, flatness, hole, line};
-use super::plant::{Errors, Known, Step, V, approaches, cut, program, run};
+use super::plant::{Errors, Known, Step, V, approaches, cut, edge, lines, program, run, top};
 use std::collections::BTreeMap;
 use std::path::Path;
 use trueaxis_evaluation::predict::{Options, Part, PredictDocument, predict};
 use trueaxis_sim::program::Program;
-use trueaxis_tables::Machine;
-use trueaxis_tables::files::Memory;
-use trueaxis_tables::uncertainty::Uncertainties;
 use trueaxis_testing::noise::Noise;
 use trueaxis_testing::share::share;
 
@@ -51,20 +48,11 @@ const ROUND: usize = HOLES + 9;
 const RIBS: usize = ROUND + 6;
 
 fn steps() -> Vec<Step> {
-    let mut steps = vec![Step::Rapid([-5.0, 5.0, 20.0]), Step::Rapid([-5.0, 5.0, 0.0])];
-    for (k, y) in [5.0, 25.0, 45.0, 65.0].into_iter().enumerate() {
-        let [from, to] = if k % 2 == 0 { [-5.0, 125.0] } else { [125.0, -5.0] };
-        if k > 0 {
-            steps.push(Step::Line([from, y, 0.0], Some(0)));
-        }
-        steps.push(Step::Line([to, y, 0.0], Some(0)));
-    }
-    let edge = |steps: &mut Vec<Step>, [fx, fy]: [f64; 2], [tx, ty]: [f64; 2], feature: usize| {
-        steps.extend([Step::Rapid([fx, fy, 20.0]), Step::Rapid([fx, fy, -12.0])]);
-        steps.extend([Step::Line([tx, ty, -12.0], Some(feature)), Step::Rapid([tx, ty, 20.0])]);
-    };
+    let mut steps = top(0);
+    let low = |[x, y]: [f64; 2]| [x, y, -12.0];
     for k in 0..12 {
-        edge(&mut steps, corner(k / 4, k % 4), corner(k / 4, (k + 1) % 4), EDGES + k);
+        let [from, to] = [k, k + 1].map(|end| low(corner(k / 4, end % 4)));
+        steps.extend(edge(from, to, EDGES + k));
     }
     for (k, [x, y]) in holes().into_iter().enumerate() {
         steps.extend([Step::Rapid([x, y, 20.0]), Step::Rapid([x, y, 2.0])]);
@@ -77,7 +65,7 @@ fn steps() -> Vec<Step> {
     }
     for k in 0..2 {
         let y = 30.0 + 20.0 * k as f64;
-        edge(&mut steps, [20.0, y], [100.0, y], RIBS + k);
+        steps.extend(edge(low([20.0, y]), low([100.0, y]), RIBS + k));
     }
     steps
 }
@@ -101,11 +89,6 @@ fn tolerances() -> Vec<Of> {
 }
 
 fn part(steps: &[Step]) -> String {
-    let cuts = |step: &Step, feature: usize| match step {
-        Step::Line(_, own) => *own == Some(feature),
-        Step::Turn(_, own) => *own == feature,
-        Step::Rapid(_) => false,
-    };
     let mut text = format!("name = \"thirty\"\nat_mm = {AT:?}\n");
     for feature in 0..FEATURES {
         let kind = match feature {
@@ -114,8 +97,7 @@ fn part(steps: &[Step]) -> String {
             ROUND..RIBS => "circle",
             _ => "line",
         };
-        let of = |step: &Step| cuts(step, feature);
-        let [from, to] = [steps.iter().position(of), steps.iter().rposition(of)].map(|at| at.unwrap() + 2);
+        let [from, to] = lines(steps, feature);
         text += &format!("[[feature]]\nname = \"f{feature}\"\nkind = \"{kind}\"\nlines = [{from}, {to}]\n");
     }
     for (feature, kind, datum) in tolerances() {
@@ -131,10 +113,7 @@ fn part(steps: &[Step]) -> String {
 }
 
 fn predicted(steps: &[Step], trials: u64) -> PredictDocument {
-    let files = Memory::new(Errors::stated().files(Some(&KNOWN)));
-    let toml = Path::new("machine.toml");
-    let machine = Machine::read_from(&files, toml, &mut |_| {}).unwrap();
-    let stated = Uncertainties::read_from(&files, toml).unwrap();
+    let (machine, stated) = super::machine(Some(&KNOWN));
     let program = Program::parse("thirty", &program(steps), "thirty.ngc").unwrap();
     let part = Part::read(&part(steps), Path::new("part.toml")).unwrap();
     predict(&machine, &stated, &program, &part, Options { trials, seed: 11 }).unwrap()

@@ -177,6 +177,12 @@ impl Move {
         self.turn.at(self.share(u))
     }
 
+    /// Whether the tip's path on the workpiece is [`Move::curve`], there or turned: no rotary axis turns the workpiece during the
+    /// move, or the tool centre point follows it.
+    pub fn keeps_its_curve(&self) -> bool {
+        self.tool_center || self.turn.change == [0.0; 3]
+    }
+
     /// Whether rotary axes move or are away from zero, or the tool centre point is programmed.
     pub fn is_five_axis(&self) -> bool {
         self.tool_center || self.turn != Turn::default()

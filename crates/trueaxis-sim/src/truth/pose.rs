@@ -91,7 +91,7 @@ fn foot(step: &Move, machine: &Placement, u: f64, actual: &Place) -> PoseDeviati
     if speed < AT_REST_MM_PER_DEG * step.turn.angle() {
         return at(golden(low, high, |u| at(u, true).whole()), true);
     }
-    if let (Curve::Line { .. }, true) = (&step.curve, step.tool_center || step.turn.change == [0.0; 3]) {
+    if let (Curve::Line { .. }, true) = (&step.curve, step.keeps_its_curve()) {
         let [a, b] = [first, last].map(|u| machine.place(step, u).tip);
         let t = (actual.tip - a).dot(b - a) / (b - a).length_squared();
         return at(first + (last - first) * t.clamp(0.0, 1.0), false);

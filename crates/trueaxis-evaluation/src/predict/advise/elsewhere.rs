@@ -1,6 +1,7 @@
 //! The part at another place, or a feature cut in the other direction.
 
 use super::document::{Directed, Elsewhere, Placed};
+use crate::predict::locate::ends;
 use crate::predict::{Feature, FeatureKind, Options, Part, PredictDocument, Predicted, Side, predict};
 use anyhow::Result;
 use trueaxis_sim::program::{Curve, Move, Program, Turn};
@@ -167,10 +168,9 @@ fn reversed(program: &Program, [from, to]: [u32; 2]) -> Option<Program> {
         }
     }
     // To the new start, so that the first point is reached along the feature.
-    let ends = |step: &Move| [step.curve.domain().0, step.curve.domain().1].map(|u| step.curve.position(u));
     let [to, _] = ends(&program.moves[first]);
     let [_, from] = first.checked_sub(1).map_or([to; 2], |before| ends(&program.moves[before]));
-    let curve = Curve::Line { start: from, end: to };
+    let curve = Curve::Line { start: from.to_array(), end: to.to_array() };
     let [_, turned] = first.checked_sub(1).map_or([program.moves[first].turn.start; 2], |before| {
         let before = &program.moves[before].turn;
         [before.start, before.end()]

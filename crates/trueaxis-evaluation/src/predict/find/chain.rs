@@ -1,9 +1,10 @@
-//! Chains of moves that go on without a corner.
+//! Chains of moves without a corner.
 
-use super::path::{Piece, corners, direction, ends, normal};
+use super::path::{Piece, corners, direction, normal};
 use crate::predict::chords::circle_of_chords;
 use crate::predict::circle::NEAR;
 use crate::predict::kinds::FeatureKind;
+use crate::predict::locate::ends;
 use glam::DVec3;
 use std::f64::consts::TAU;
 use trueaxis_sim::program::{Curve, Move};
@@ -14,7 +15,7 @@ const SHORTEST: f64 = 1.0;
 const SHORT: f64 = 10.0;
 /// Fewest of them: a slot or a rectangle with rounded corners has fewer between its sides.
 const FEWEST: usize = 5;
-/// Cosine of the largest angle at which moves go on without a corner: about 30°, the turn of the coarsest chords of a circle.
+/// Cosine of the largest turn that is not a corner: about 30°, that of the coarsest chords of a circle.
 const SMOOTH: f64 = 0.86;
 
 /// Free forms, circles made of chords, and straight edges.
@@ -56,7 +57,7 @@ fn kind(chain: &[Move]) -> Option<FeatureKind> {
     (chain.iter().any(is_spline) || chain.len() >= FEWEST).then_some(FeatureKind::Profile)
 }
 
-/// Whether two moves are parts of one curve.
+/// Whether two moves belong to one curve.
 fn goes_on(one: &Move, next: &Move) -> bool {
     let is_part = |step: &Move| matches!(step.curve, Curve::Nurbs { .. }) || step.curve.length() <= SHORT;
     let tangent = |step: &Move, u: f64| DVec3::from(step.curve.derivatives(u).first).normalize_or_zero();

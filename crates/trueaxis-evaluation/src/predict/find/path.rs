@@ -1,6 +1,7 @@
 //! The path of a piece of a program.
 
 use crate::predict::kinds::FeatureKind;
+use crate::predict::locate::ends;
 use glam::DVec3;
 use std::ops::Range;
 use trueaxis_sim::program::{Curve, Move};
@@ -39,12 +40,6 @@ pub(super) fn normal(step: &Move) -> DVec3 {
 /// Whether a line goes along the plane's normal: into the material or out of it.
 pub(super) fn plunges(step: &Move) -> bool {
     direction(step).is_some_and(|along| along.cross(normal(step)).length() < 1e-9)
-}
-
-/// Start and end of a move.
-pub(super) fn ends(step: &Move) -> [DVec3; 2] {
-    let (first, last) = step.curve.domain();
-    [first, last].map(|u| DVec3::from(step.curve.position(u)))
 }
 
 /// Points along moves that cut: the corners of a polyline.

@@ -50,8 +50,7 @@ impl Shape {
         let own = &moves[piece.moves.clone()];
         let axis = normal(&own[0]);
         let corners = corners(own.iter());
-        let chords =
-            || circle_of_chords(&corners, axis, NEAR).map(|of| Circle { centre: of.centre, radius: of.radius });
+        let chords = || circle_of_chords(&corners, axis, NEAR).map(|of| of.circle);
         let circle = (piece.kind == FeatureKind::Circle).then(|| circle_of(&own[0]).or_else(chords)).flatten();
         let along = (piece.kind == FeatureKind::Line).then(|| direction(&own[0])).flatten();
         let end = |of: fn(DVec3, DVec3) -> DVec3| corners.iter().copied().reduce(of).unwrap_or_default();
