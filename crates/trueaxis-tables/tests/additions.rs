@@ -184,7 +184,7 @@ fn coefficients_of_replaced_figures_are_replaced() {
         together(a0z, "axis.Y.backlash_um", 0.9),
     ];
     assert_eq!(with(both(), of_three), named(&[("A0Z C0Y", -0.1), ("B0Z C0Y", 0.7)]));
-    // Three that cannot be without the small one: 0.995 and 0.0999 leave at least 0.0001 … .
+    // 0.998 and 0.12 leave at least 0.057 for the third, which is written although it is small.
     let near = vec![together(c0y, b0z, 0.998), together(a0z, b0z, 0.12), together(a0z, c0y, 0.06)];
     let found = with(both(), near);
     assert_eq!(found.len(), 3, "{found:?}");
