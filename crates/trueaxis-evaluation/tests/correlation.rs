@@ -32,7 +32,7 @@ fn found(coefficient: Option<f64>, [scale, squareness]: [u32; 2]) -> Uncertainty
     let machine = Machine::read_from(&files, toml, &mut |_| {}).unwrap();
     let stated = Uncertainties::read_from(&files, toml).unwrap();
     let at = Some([AT[0], AT[1], -50.0, 0.0, 0.0, 0.0]);
-    evaluate(&machine, &stated, &Options { at, trials: 20_000, ..Options::default() }).unwrap()
+    evaluate(&machine, &stated, &Options { at, trials: 10_000, ..Options::default() }).unwrap()
 }
 
 #[test]
@@ -58,7 +58,7 @@ fn correlated_terms_as_by_hand() {
         // Of one fit the distribution is Student's.
         let expanded = student_factor(0.95, wanted) * variance.sqrt();
         let drawn = at.monte_carlo.expanded_um[0];
-        assert!((drawn / expanded - 1.0).abs() < 0.03, "{case}: {drawn} drawn for {expanded}");
+        assert!((drawn / expanded - 1.0).abs() < 0.04, "{case}: {drawn} drawn for {expanded}");
         // Over the volume: Σ x² = Σ y², and Σ x y is less.
         let of = |part: &dyn Fn(f64, f64) -> f64| -> f64 {
             GRID.iter().flat_map(|x| GRID.iter().map(move |y| part(*x, *y))).sum()
