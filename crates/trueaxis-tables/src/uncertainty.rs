@@ -1,7 +1,7 @@
 //! Standard uncertainties of a machine's figures, stated beside its tables.
 //!
-//! They are in `[uncertainty]`, `[uncertainty.location]` and `[axis.X.uncertainty]` of `machine.toml`, and in columns like
-//! `EXX_u_um` of an axis' CSV. They are never compiled, so controllers do not know them, and they change no correction.
+//! They are in `[uncertainty]`, `[uncertainty.location]`, `[[uncertainty.correlation]]` and `[axis.X.uncertainty]` of
+//! `machine.toml`, and in columns like `EXX_u_um` of an axis' CSV. They are never compiled, so controllers do not know them, and they change no correction.
 
 use trueaxis::machine::Axis;
 
@@ -113,6 +113,15 @@ impl AxisUncertainty {
     }
 }
 
+/// Correlation of two figures that were found together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Correlation {
+    /// Full keys of their standard uncertainties, as [`Uncertainties::figures`] lists them.
+    pub between: [String; 2],
+    /// Coefficient of correlation, −1 to 1.
+    pub coefficient: f64,
+}
+
 /// All standard uncertainties that the files of a machine state.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Uncertainties {
@@ -122,6 +131,8 @@ pub struct Uncertainties {
     pub location: LocationUncertainty,
     /// One entry per axis, in the order of the machine's list.
     pub axes: Vec<AxisUncertainty>,
+    /// Each pair once; all others are independent.
+    pub correlations: Vec<Correlation>,
     /// Numbers of the records that the machine's figures are based on.
     pub records: Vec<String>,
 }
@@ -137,6 +148,34 @@ impl Uncertainties {
         }
         let parts = [self.instrument.device, self.instrument.eve, scatter].map(Option::unwrap_or_default);
         Some(parts.iter().map(|part| part * part).sum::<f64>().sqrt())
+    }
+
+    /// Full key of every figure that is a single number and can be correlated with others, like
+    /// `axis.X.uncertainty.scale_ppm`, with its standard uncertainty in SI units or mm; `None`: not stated.
+    pub fn figures(&self) -> Vec<(String, Option<f64>)> {
+        let unit = |axis: Axis| if axis.is_rotary() { "urad" } else { "um" };
+        let has = |axis: &Axis| self.of(*axis).is_some();
+        let mut all = Vec::new();
+        let squareness = ["A0Z", "B0Z", "C0Y"].into_iter().zip(self.location.squareness);
+        all.extend(squareness.map(|(name, u)| (format!("uncertainty.location.{name}_urad"), u)));
+        for (errors, axis) in self.location.rotary.iter().zip([Axis::A, Axis::B, Axis::C]) {
+            let errors = Axis::ALL.into_iter().zip(errors).filter(|_| has(&axis));
+            all.extend(errors.map(|(moved, u)| {
+                (format!("uncertainty.location.E{}0{}_{}", moved.letter(), axis.letter(), unit(moved)), *u)
+            }));
+        }
+        for own in &self.axes {
+            let (letter, unit) = (own.axis.letter(), unit(own.axis));
+            let mut put = |key: &str, u| all.push((format!("axis.{letter}.uncertainty.{key}"), u));
+            if !own.axis.is_rotary() {
+                put("scale_ppm", own.scale);
+            }
+            put(&format!("backlash_{unit}"), own.backlash);
+            put(&format!("growth_{unit}"), own.growth);
+        }
+        all.push(("uncertainty.device_um_per_m".into(), self.instrument.device_per_length));
+        all.push(("uncertainty.temperature_k".into(), self.instrument.temperature_k));
+        all
     }
 
     /// Uncertainties of an axis.

@@ -38,8 +38,8 @@ The part's file states where the program's zero is in the machine, the lines of 
 
 The exact geometry of the machine gives the points that are cut, with lost motion by the direction in which each axis \
 arrives, and with corrections as far as their limits in the machine.toml admit. Features are fitted by least squares. \
-Machines drawn from the uncertainties in the machine.toml (see `trueaxis uncertainty`) give the interval that contains the \
-true value with 95 %. A feature conforms if this interval is within the tolerance, does not conform if it is outside, and is \
+Machines drawn from the uncertainties and correlations in the machine.toml (see `trueaxis uncertainty`) give the interval \
+that contains the true value with 95 %. A feature conforms if this interval is within the tolerance, does not conform if it is outside, and is \
 otherwise undecided (ISO 14253-1). Verdicts, uncertainties and contributions are those of the corrected part.
 
 --advise compares the measurements that the owner's instruments allow, stated in the part's file:

@@ -4,7 +4,8 @@
 //! PART.toml, program ─► points of the features, in the order in which they are cut
 //! point             = programmed point + error of the exact transforms, axes where the drives bring them
 //! y                 = characteristic of the features fitted to the points
-//! y(z)              ≈ y(0) + Σ_k ∂y/∂z_k z_k       z_k: the machine's uncertain quantities, of unit variance
+//! y(z)              ≈ y(0) + Σ_k ∂y/∂z_k z_k       z_k: the machine's uncertain quantities, of unit variance, correlated as
+//!                                                  stated
 //! ```
 //!
 //! The machine is the stated one. Uncorrected, the drives get the commands; corrected, the commands with the correction of the
@@ -75,6 +76,7 @@ use fixture::Moves;
 use std::cmp::Ordering;
 use temperature::Warm;
 use trueaxis_metrology::cores::*;
+use trueaxis_metrology::uncertainty::Correlations;
 use trueaxis_sim::program::{Program, ProgramError};
 use trueaxis_tables::Machine;
 use trueaxis_tables::uncertainty::Uncertainties;
@@ -203,6 +205,7 @@ impl Prepared {
             moves = held;
             terms.all.extend(of_part);
         }
+        terms.correlate(&stated.correlations);
         Ok(Prepared { cuts, nominal, terms, moves, temperature })
     }
 
@@ -295,10 +298,16 @@ fn responses(model: &Model<'_>, unknowns: &[Unknown], at_zero: &[f64]) -> Result
     (0..unknowns.len()).into_par_iter().map(|k| response(model, &unknowns[k], at_zero)).collect()
 }
 
+fn correlations(model: &Model<'_>, unknowns: &[Unknown]) -> Correlations {
+    let of: Vec<usize> = unknowns.iter().map(|unknown| unknown.term).collect();
+    model.terms.correlated.of_quantities(model.terms, &of)
+}
+
 /// What the draws give for each tolerance.
 fn outcomes(model: &Model<'_>, at_zero: &[f64], Options { trials, seed }: Options) -> Result<Vec<Outcome>> {
     let unknowns = model.unknowns();
     let responses = responses(model, &unknowns, at_zero)?;
+    let correlations = correlations(model, &unknowns);
     let linear = |number: u64| -> Vec<f64> {
         let drawn = model.draw(seed, number);
         let mut values = at_zero.to_vec();
@@ -323,6 +332,10 @@ fn outcomes(model: &Model<'_>, at_zero: &[f64], Options { trials, seed }: Option
         let mut contributions = vec![0.0; model.terms.all.len()];
         for (unknown, response) in unknowns.iter().zip(&responses) {
             contributions[unknown.term] += response.contributions[index].powi(2);
+        }
+        let own: Vec<f64> = responses.iter().map(|response| response.derivatives[index]).collect();
+        for ((unknown, own), common) in unknowns.iter().zip(&own).zip(correlations.times(&own)) {
+            contributions[unknown.term] += own * (common - own);
         }
         Outcome { values: draws.iter().map(|values| values[index]).collect(), cut: differs, contributions }
     };

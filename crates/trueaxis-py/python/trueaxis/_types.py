@@ -2541,11 +2541,11 @@ class UncertaintyShare(Section):
     term : str
         Name of the quantity.
     rms_um : float
-        Root mean square over the working volume of its contribution to the standard uncertainty.
+        Root mean square over the working volume of its contribution to the standard uncertainty, by itself.
     share : float
-        Share of the variance over the working volume, 0 … 1.
+        Share of the variance over the working volume: of a correlated quantity with half of what it has in common with each other one, which may be negative. All shares add up to 1.
     worst_um : float
-        Contribution at the worst point.
+        Contribution at the worst point, by itself.
     """
 
     __slots__ = ()
@@ -2617,9 +2617,9 @@ class Contribution(Section):
     term : str
         Name of the term: of its errors those of ISO 230-1.
     standard_um : float
-        Contribution to the standard uncertainty; their squares add up to its square.
+        Contribution to the standard uncertainty; their squares add up to its square, those of negative ones subtracted.
     share : float
-        Share of the variance, 0 … 1, after the squares of the effects of each quantity alone.
+        Share of the variance after the squares of the effects of each quantity alone, of a correlated one with half of what it has in common with each other one: negative where that makes the whole smaller. All shares add up to 1.
     """
 
     __slots__ = ()

@@ -1,4 +1,4 @@
-//! `[uncertainty]`, `[uncertainty.location]` and `[axis.*.uncertainty]` of `machine.toml`.
+//! `[uncertainty]`, `[uncertainty.location]`, `[[uncertainty.correlation]]` and `[axis.*.uncertainty]` of `machine.toml`.
 
 use super::section::{KeyValue, Section};
 use super::units::{from_um, from_urad, same};
@@ -81,9 +81,13 @@ pub(super) fn of_resonance(drive: &Section<'_>) -> Result<[Option<KeyValue<f64>>
     Ok([section.number("resonance_hz")?, section.number("resonance_damping")?])
 }
 
-/// Instrument and location errors of the machine with these axes, without the sections of the axes.
-pub(super) fn read(root: &Section<'_>, axes: &[Axis]) -> Result<Uncertainties, FileError> {
-    let mut found = Uncertainties::default();
+/// All that a machine with these axes states, without the columns of its tables; `of_axes`: the sections of the axes.
+pub(super) fn read(
+    root: &Section<'_>,
+    axes: &[Axis],
+    of_axes: Vec<AxisUncertainty>,
+) -> Result<Uncertainties, FileError> {
+    let mut found = Uncertainties { axes: of_axes, ..Uncertainties::default() };
     let Some(section) = root.section("uncertainty")? else { return Ok(found) };
     found.instrument = Instrument {
         device_per_length: stated(&section, "device_um_per_m", &MILLIONTHS, millionths)?,
@@ -102,6 +106,7 @@ pub(super) fn read(root: &Section<'_>, axes: &[Axis]) -> Result<Uncertainties, F
     if let Some(section) = section.section("location")? {
         found.location = read_location(section, axes)?;
     }
+    found.correlations = super::correlation_toml::read(&section, &found)?;
     section.finish(None)?;
     Ok(found)
 }

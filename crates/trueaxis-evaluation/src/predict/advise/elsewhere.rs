@@ -74,7 +74,7 @@ impl Asked<'_> {
     pub(super) fn directions(&self, predicted: &PredictDocument) -> Result<Vec<Directed>> {
         let depends = |of: &Predicted| {
             let budget = of.known.iter().flat_map(|known| &known.budget);
-            budget.filter(|one| one.term.starts_with("backlash")).map(|one| one.share).sum::<f64>() > LOST_MOTION
+            budget.filter(|one| one.term.starts_with("backlash")).map(|one| one.share.abs()).sum::<f64>() > LOST_MOTION
         };
         let mut found = Vec::new();
         let mut here = None;

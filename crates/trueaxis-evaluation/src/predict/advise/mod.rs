@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! y = D z + ε                        readings of a measurement; z: the uncertain quantities of the machine, of unit variance
-//! P = (1 + Dᵀ R⁻¹ D)⁻¹              what it leaves of their covariance; R: the covariance of ε
+//! P = (C⁻¹ + Dᵀ R⁻¹ D)⁻¹            what it leaves of their correlation C; R: the covariance of ε
 //! u(f)² = d P dᵀ                     d: derivatives of a feature
 //! ```
 //!
@@ -30,7 +30,7 @@ pub use document::{Advice, Advised, AdvisedTask, Directed, Elsewhere, Left, Meas
 pub use instrument::{Instrument, InstrumentKind, Touching};
 
 use super::verdict::verdict_of;
-use super::{Part, PredictDocument, Prepared, State, responses};
+use super::{Part, PredictDocument, Prepared, State, correlations, responses};
 use crate::calibrate::Task;
 use crate::predict::cut::Cut;
 use crate::predict::room::room;
@@ -128,7 +128,8 @@ fn prior_of<'m>(model: &'m Model<'m>, predicted: &PredictDocument) -> Result<Pri
         let derivatives = responses.iter().map(|of| of.derivatives[index]).collect();
         [derivatives, responses.iter().map(|of| of.contributions[index]).collect()]
     })?;
-    Ok(Prior { model, unknowns, features, trials: predicted.trials, seed: predicted.seed })
+    let correlations = correlations(model, &unknowns);
+    Ok(Prior { model, unknowns, correlations, features, trials: predicted.trials, seed: predicted.seed })
 }
 
 /// Lowest and highest positions of X, Y, Z on the part's features.
