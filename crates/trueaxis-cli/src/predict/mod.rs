@@ -62,6 +62,7 @@ the simulator. RECORD.csv has one row a reading, as for `trueaxis thermal fit`:
   t_s: time
   T1_c … T16_c: sensors, degrees Celsius
   spindle_rpm, tool_mm: speed of the spindle, length from its nose, as far as thermal.toml needs them
+A [[setup]] that does not follow the one before at once has start_s (after the first row) or start_at = HH:MM.
 Without a record, the part's file may state constant temperatures:
   [temperature] with machine_c; part_c, part_expansion_um_per_m_k and part_u_k (its standard uncertainty): a part \
 cut warm shrinks to 20 °C

@@ -9,6 +9,7 @@
 use super::cut::{Cut, Point};
 use super::fit::Nominal;
 use super::kinds::{FeatureKind, Side};
+use super::temperature::Start;
 use crate::calibrate::ranges::number;
 use crate::uncertainty::terms::{Effect, Term};
 use anyhow::Result;
@@ -19,6 +20,8 @@ use trueaxis_tables::{KeyValue, Section};
 
 /// Largest distance of a program's zero, mm.
 const FARTHEST: f64 = 1e5;
+/// Latest start of a set-up: after a month.
+const LATEST_S: f64 = 2.7e6;
 /// Largest standard uncertainties: what no tool or set-up has, µm and µrad.
 const LARGEST: f64 = 1e4;
 
@@ -37,6 +40,8 @@ pub struct Setup {
     pub turned_deg: [f64; 3],
     /// Standard uncertainties of the part's place along X, Y, Z, mm, and of its orientation about them, rad.
     pub uncertainty: [f64; 6],
+    /// When it starts in a record of temperatures; when the one before has ended unless stated.
+    pub start: Option<Start>,
     /// The program, once it has been read.
     pub program: Option<Program>,
     /// Line in the part's file.
@@ -69,8 +74,9 @@ impl Setup {
             }
             uncertainty[first..first + 3].copy_from_slice(&found.value.map(|u| mm * u));
         }
+        let start = read_start(&section)?;
         section.finish(None)?;
-        Ok(Setup { name, file, at_mm, zero_mm, turned_deg, uncertainty, program: None, line })
+        Ok(Setup { name, file, at_mm, zero_mm, turned_deg, uncertainty, start, program: None, line })
     }
 
     /// Directions of the set-up's program on the part.
@@ -78,6 +84,17 @@ impl Setup {
         let [a, b, c] = self.turned_deg.map(f64::to_radians);
         (DMat3::from_rotation_z(c) * DMat3::from_rotation_y(b) * DMat3::from_rotation_x(a)).transpose()
     }
+}
+
+/// When a set-up starts in a record of temperatures, by one of two keys.
+fn read_start(section: &Section<'_>) -> Result<Option<Start>, FileError> {
+    let after = number(section, "start_s", [0.0, LATEST_S], " s after the first row of the record")?;
+    let Some(at) = section.string("start_at")? else { return Ok(after.map(Start::After)) };
+    if after.is_some() {
+        return Err(section.wrong(&at, "start_s or start_at, one of them"));
+    }
+    let seconds = Start::clock(at.value).ok_or_else(|| section.wrong(&at, "hours and minutes, 00:00 to 23:59"))?;
+    Ok(Some(Start::At(seconds)))
 }
 
 /// A tool.

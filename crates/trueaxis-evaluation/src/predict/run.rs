@@ -58,7 +58,7 @@ pub(super) fn features(
                 .into());
         }
         let program = part.program_of(setup, program);
-        let of_setup = in_setup(machine, program, part, &features, (&placement, warm), &mut clipped)?;
+        let of_setup = in_setup(machine, program, part, (setup, &features), (&placement, warm), &mut clipped)?;
         for (index, mut cut) in indices.into_iter().zip(of_setup) {
             if let Some(held) = held {
                 cut.place(held.to_part(), DVec3::from(held.zero_mm));
@@ -74,7 +74,7 @@ fn in_setup(
     machine: &Machine,
     program: &Program,
     part: &Part,
-    features: &[&Feature],
+    (setup, features): (Option<usize>, &[&Feature]),
     (placement, warm): (&Placement, Option<&Warm<'_>>),
     clipped: &mut Clipped,
 ) -> Result<Vec<Cut>> {
@@ -100,7 +100,7 @@ fn in_setup(
                 let command = placement.axes(step, u);
                 within_travel(machine, program, step, &command)?;
                 let place = (index, u);
-                let growth = warm.map(|warm| warm.at(place)).unwrap_or_default();
+                let growth = warm.map(|warm| warm.at((setup, place))).unwrap_or_default();
                 let Arrived { uncorrected, corrected, wanted, warm } = drives.reach(command, &growth)?;
                 if is_feature {
                     clipped.add(&machine.settings, &command, &wanted);
