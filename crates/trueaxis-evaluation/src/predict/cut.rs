@@ -69,6 +69,8 @@ pub(super) struct Cut {
     /// Set-up, if not the first, and the directions of its program on the part.
     pub(super) setup: Option<usize>,
     pub(super) to_part: DMat3,
+    /// Zero of its program on the part, mm.
+    pub(super) zero: DVec3,
     pub(super) tool: Option<usize>,
     pub(super) side: Option<Side>,
     pub(super) gear: Option<GearFlank>,
@@ -96,7 +98,7 @@ impl Cut {
         if let Some(circle) = &mut self.circle {
             circle.centre = zero + to_part * circle.centre;
         }
-        self.to_part = to_part;
+        (self.to_part, self.zero) = (to_part, zero);
     }
 
     /// Whether only the end of a move lies on the feature, as for a chord of a circle or a step over a flank.

@@ -226,9 +226,6 @@ fn read_feature(section: Section<'_>, setups: &[Setup], tools: &[Tool]) -> Resul
     }
     let side = Side::read(&section, kind)?;
     let gear = if kind == FeatureKind::Flank { Some(GearFlank::read(&section)?) } else { None };
-    if let (Some(_), Some(setup)) = (&gear, setup) {
-        return Err(section.at(line, "setup", &setups[setup].name, "the first set-up, for a flank"));
-    }
     let has_side = matches!(kind, FeatureKind::Circle | FeatureKind::Line);
     if has_side && side.is_none() && tool.is_some_and(|tool| tools[tool].radius > 0.0) {
         let words = if kind == FeatureKind::Circle {
