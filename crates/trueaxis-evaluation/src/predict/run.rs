@@ -200,11 +200,13 @@ fn to_end(step: &Move, placement: &Placement) -> Vec<f64> {
     (1..=count as usize).map(|k| first + (last - first) * k as f64 / count).collect()
 }
 
-/// Direction of the tip's path on the workpiece.
+/// Direction of the tip's path on the workpiece. Of the second order: turned by as little as half of a step, the normals of a
+/// full circle would make its size a rotation.
 fn tangent(step: &Move, u: f64, placement: &Placement) -> DVec3 {
     let (first, last) = step.curve.domain();
-    let [before, after] = [u - AROUND * (last - first), u].map(|u| placement.place(step, u).tip);
-    (after - before).normalize_or_zero()
+    let [here, before, earlier] =
+        [0.0, 1.0, 2.0].map(|steps| placement.place(step, u - steps * AROUND * (last - first)).tip);
+    (4.0 * (here - before) - (here - earlier)).normalize_or_zero()
 }
 
 /// Whether a move cuts along a line.

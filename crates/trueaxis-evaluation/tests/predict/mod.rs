@@ -8,6 +8,7 @@ mod measured;
 mod plant;
 mod servo;
 mod setups;
+mod surfaces;
 mod temperature;
 mod thirty;
 mod trunnion;
