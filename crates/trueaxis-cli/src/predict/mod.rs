@@ -34,7 +34,8 @@ The part's file states where the program's zero is in the machine, the lines of 
     class, or width_um, of a slope limits_um: profile total, form or slope, helix total, form or slope
   [[setup]], a further one, with name, program, at_mm; zero_mm, turned_deg, uncertainty_um, uncertainty_urad
   [[tool]] with name, diameter_uncertainty_um, length_uncertainty_um
-    a feature states setup, tool, and side if the diameter is uncertain: inside or outside (circle), left or right (line)
+    a feature states setup, tool, and side if the diameter is uncertain: inside or outside (circle), left or right (line,
+    profile), below or above (profile cut by the end of a ball)
 
 The exact geometry of the machine gives the points that are cut, with lost motion by the direction in which each axis \
 arrives, and with corrections as far as their limits in the machine.toml admit. Features are fitted by least squares. \

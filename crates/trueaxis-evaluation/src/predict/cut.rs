@@ -20,6 +20,8 @@ pub(super) struct Point {
     pub(super) nominal: DVec3,
     /// Direction of the pass at a point of a profile; zero on other features.
     pub(super) tangent: DVec3,
+    /// Of a profile with a side: how a tool larger in radius moves the surface, for each mm.
+    pub(super) larger: DVec3,
     /// Whether two straight moves meet there.
     pub(super) joint: bool,
     pub(super) uncorrected: Reached,

@@ -3,7 +3,9 @@
 //! ```text
 //! p = z + Rᵀ p_s                     a point of a set-up's program on the part; R: the turn of the part, about X, then Y, then Z
 //! d = Rᵀ (t + ω × p_s)               what an error of the set-up adds
-//! d = n Δr,  d = a Δl                of a tool's radius along the normal of the surface, of its length along the tool
+//! d = n Δr,  d = −a Δl               of a tool's radius along n, the normal into the material, of its length along a, from
+//!                                    the tip to the spindle
+//! d = (a + n) Δr                     of the radius of a ball, whose length ends at its tip
 //! ```
 
 use super::cut::{Cut, Point};
@@ -127,6 +129,11 @@ impl Side {
         match kind {
             FeatureKind::Circle => section.choice("side", [("inside", Side::Inside), ("outside", Side::Outside)]),
             FeatureKind::Line => section.choice("side", [("left", Side::Left), ("right", Side::Right)]),
+            FeatureKind::Profile => {
+                let all =
+                    [("left", Side::Left), ("right", Side::Right), ("below", Side::Below), ("above", Side::Above)];
+                section.choice("side", all)
+            }
             _ => Ok(None),
         }
     }
@@ -212,23 +219,26 @@ impl Moved {
         let lever = point.nominal - self.about;
         let mut moved = self.shift + self.turn.cross(lever) - self.length * point.pointing;
         if self.radius != 0.0 {
-            moved += self.radius * into_material(point.nominal, cut, nominal);
+            moved += self.radius * into_material(point, cut, nominal);
         }
         moved
     }
 }
 
 /// Direction in which a larger tool moves the surface; zero where its end cuts.
-fn into_material(point: DVec3, cut: &Cut, nominal: &Nominal) -> DVec3 {
+fn into_material(point: &Point, cut: &Cut, nominal: &Nominal) -> DVec3 {
+    if cut.kind == FeatureKind::Profile {
+        return point.larger;
+    }
     let ends = [cut.points.first(), cut.points.last()].map(|end| end.map_or(DVec3::ZERO, |end| end.nominal));
     let left = || nominal.normal.cross(ends[1] - ends[0]).normalize_or_zero();
-    let outwards = || (point - nominal.centre).reject_from_normalized(nominal.normal).normalize_or_zero();
+    let outwards = || (point.nominal - nominal.centre).reject_from_normalized(nominal.normal).normalize_or_zero();
     match cut.side {
         Some(Side::Inside) => outwards(),
         Some(Side::Outside) => -outwards(),
         Some(Side::Left) => left(),
         Some(Side::Right) => -left(),
-        None => DVec3::ZERO,
+        Some(Side::Below | Side::Above) | None => DVec3::ZERO,
     }
 }
 

@@ -10,6 +10,7 @@
 
 use super::circle::{NEAR, apart};
 use super::cut::{Cut, Point};
+use super::kinds::Side;
 use glam::DVec3;
 
 /// Points of a profile: mm between them, least and most of them.
@@ -28,6 +29,8 @@ const LENGTH: f64 = 100.0;
 
 /// Least distance of the second pass from a point at the end of a surface, as a multiple of that of the first.
 const BEYOND: f64 = 1.2;
+/// Cosine of the angle between a normal and the direction towards the material beyond which that is on neither side: 89°.
+const ASIDE: f64 = 0.017;
 
 /// What is wrong with the lines of a profile: found and needed.
 pub(super) type Wrong = (&'static str, &'static str);
@@ -35,7 +38,8 @@ pub(super) type Wrong = (&'static str, &'static str);
 /// Leaves a profile as many points as its evaluation needs, equally spaced, with their normals.
 ///
 /// # Errors
-/// A profile that is a straight line, or a pass in space without another beside it.
+/// A profile that is a straight line, or a pass in space without another beside it; a side that does not say where the
+/// material is.
 pub(super) fn settle(cut: &mut Cut) -> Result<(), Wrong> {
     let straight = ("a straight line", "a curve; kind = \"line\" is an edge");
     let mut places: Vec<DVec3> = cut.points.iter().map(|point| point.nominal).collect();
@@ -68,8 +72,48 @@ pub(super) fn settle(cut: &mut Cut) -> Result<(), Wrong> {
     );
     let normals = chosen.iter().map(normal).collect::<Option<Vec<DVec3>>>();
     let normals = normals.ok_or(if is_flat { ("moves without a length", "a curve") } else { single })?;
-    cut.points = chosen.iter().map(|k| cut.points[*k].clone()).collect();
+    cut.points = chosen.iter().map(|k| Point { tangent: tangents[*k], ..cut.points[*k].clone() }).collect();
     cut.normals = normals;
+    match cut.side {
+        Some(side) => larger(cut, side, is_flat),
+        None => Ok(()),
+    }
+}
+
+/// How a larger tool moves the surface at the points. The side of a tool moves it along the normal. A ball, whose length ends
+/// at its tip, leaves it there and moves it the more, the steeper it is.
+fn larger(cut: &mut Cut, side: Side, is_flat: bool) -> Result<(), Wrong> {
+    let is_along = matches!(side, Side::Left | Side::Right);
+    let mut before: Option<DVec3> = None;
+    for (point, normal) in cut.points.iter_mut().zip(&cut.normals) {
+        let left = cut.normal.cross(point.tangent).normalize_or_zero();
+        let material = match side {
+            Side::Right => -left,
+            Side::Above => point.pointing,
+            Side::Below => -point.pointing,
+            Side::Left | Side::Inside | Side::Outside => left,
+        };
+        let share = normal.dot(material);
+        if share.abs() < ASIDE {
+            return Err(if is_along {
+                ("a normal across both sides of the path", "side = \"below\" or \"above\": on the tool's end")
+            } else {
+                (
+                    "a wall along the tool, which is neither below nor above it",
+                    "side = \"left\" or \"right\" of the path",
+                )
+            });
+        }
+        let into = *normal * share.signum();
+        if is_along && !is_flat && before.is_some_and(|before| before.dot(into) < -SMOOTH) {
+            return Err((
+                "a pass in the other direction",
+                "one direction, since left and right are seen along the path",
+            ));
+        }
+        before = Some(into);
+        point.larger = if is_along { into } else { point.pointing + into };
+    }
     Ok(())
 }
 

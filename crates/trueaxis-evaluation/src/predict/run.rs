@@ -112,6 +112,7 @@ fn in_setup(
                     let point = Point {
                         nominal,
                         tangent,
+                        larger: DVec3::ZERO,
                         joint,
                         uncorrected,
                         corrected,

@@ -1,4 +1,5 @@
-//! Surfaces cut on a machine with one error, by formulas of their own.
+//! Surfaces and contours cut on machines with one error or none, and by a tool of uncertain diameter: by formulas of their
+//! own.
 
 use std::path::Path;
 use trueaxis_evaluation::predict::{Options, Part, PredictDocument, predict};
@@ -9,6 +10,8 @@ use trueaxis_tables::uncertainty::Uncertainties;
 
 /// Rows of the surface, 4 mm apart.
 const ROWS: usize = 11;
+/// 97.5 % of the absolute values of a normal distribution are below.
+const WIDEST: f64 = 2.2414;
 
 /// Height of the surface z(x, y) and its slopes.
 fn surface(x: f64, y: f64) -> [f64; 3] {
@@ -92,4 +95,58 @@ fn normals_at_the_end_of_a_surface_are_those_of_its_curve() {
     let wanted = 2e3 * most(|y, slopes| (slopes[1] * cosine(slopes) * scale * y).abs());
     let found = of.features[2].uncorrected_um;
     assert!(wanted > 10.0 && (found / wanted - 1.0).abs() < 0.004, "{found} for {wanted}");
+}
+
+/// A larger radius moves the wall of a circle by itself, that of the wave by what its direction differs from the edge's, and
+/// the surface by 1 − cos of its inclination: the tip of a ball stays.
+#[test]
+fn the_diameter_of_a_tool_counts_for_profiles() {
+    let tool = "[[tool]]\nname = \"ball\"\ndiameter_uncertainty_um = 2\n";
+    let highs = |wave: &str, surface: &str| {
+        let part = part(["", "side = \"left\"", "side = \"left\"", wave, surface], tool);
+        let of = predicted(0.0, &part).unwrap();
+        let known = |k: usize| of.features[k].known.as_ref().unwrap();
+        assert!((0..3).all(|k| known(k).budget[0].term == "diameter of ball"));
+        [0, 1, 2].map(|k| known(k).interval_um.high)
+    };
+    // Where the wave is steepest.
+    let aside = 1.0 / f64::hypot(1.0, 0.6);
+    let below = most(|_, slopes| 1.0 - cosine(slopes));
+    let above = most(|_, slopes| 1.0 + cosine(slopes));
+    for (wave, surface, share) in [
+        ("left", "below", [1.0 - aside, below]),
+        ("right", "below", [2.0, below]),
+        ("left", "above", [1.0 - aside, above]),
+    ] {
+        let [circle, found @ ..] = highs(&format!("side = \"{wave}\""), &format!("side = \"{surface}\""));
+        assert!((circle / (WIDEST * 2.0) - 1.0).abs() < 0.1, "{circle}");
+        for (found, share) in found.into_iter().zip(share) {
+            // The points of the wave are a millimetre apart.
+            assert!((found / circle / share - 1.0).abs() < 0.02, "{wave}, {surface}: {} for {share}", found / circle);
+        }
+    }
+    // Exactly known: no side is needed, and none changes anything.
+    let [with, without] = ["side = \"below\"", ""]
+        .map(|side| predicted(1e-4, &part(["", "", "", "", side], "")).unwrap().features[2].corrected_um);
+    assert_eq!(with, without);
+}
+
+#[test]
+fn sides_that_a_profile_does_not_have_are_refused() {
+    let tool = "[[tool]]\nname = \"ball\"\ndiameter_uncertainty_um = 2\n";
+    let refused = |circle: &str, wave: &str, surface: &str| {
+        predicted(0.0, &part(["", "side = \"left\"", circle, wave, surface], tool)).unwrap_err().to_string()
+    };
+    let [left, below] = ["left", "below"].map(|side| format!("side = \"{side}\""));
+    for (found, wanted) in [
+        (
+            refused("", &left, &below),
+            &["part.toml:", "side: found nothing, needed \"left\" or \"right\" along the path"][..],
+        ),
+        (refused("side = \"inside\"", &left, &below), &["part.toml:", "side", "inside", "\"below\""]),
+        (refused(&below, &left, &below), &["surfaces.ngc:", "a wall along the tool", "in the lines of f2", "\"left\""]),
+        (refused(&left, &left, &left), &["surfaces.ngc:", "both sides of the path, in the lines of f4", "\"above\""]),
+    ] {
+        assert!(wanted.iter().all(|part| found.contains(part)), "{wanted:?}: {found}");
+    }
 }
