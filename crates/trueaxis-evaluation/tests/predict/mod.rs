@@ -1,6 +1,7 @@
 //! Predicted parts, against parts that another plant cuts and other formulas measure.
 
 mod advised;
+mod asked;
 mod backwards;
 mod forms;
 mod found;
