@@ -136,6 +136,23 @@ fn the_sample_part_as_document_table_and_page() {
     assert_ne!(other["features"][0]["expanded_um"], document["features"][0]["expanded_um"]);
 }
 
+#[test]
+fn the_test_parts_of_the_standards_are_predicted() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    for (machine, part, count) in [("mill-3axis", "contouring", 27), ("mill-5axis", "cone", 2)] {
+        let [machine, part] = [format!("compensation-tables/{machine}"), format!("records/{part}/part.toml")]
+            .map(|name| root.join(name).display().to_string());
+        let folder = Folder::new(TRUEAXIS);
+        let document = folder.json(&["predict", &machine, &part, "--trials", "200", "--json"]);
+        let features = document["features"].as_array().unwrap();
+        assert_eq!(features.len(), count, "{document}");
+        // The correction has something to correct.
+        let most = |of: &str| features.iter().map(|own| own[of].as_f64().unwrap().abs()).fold(0.0, f64::max);
+        assert!(most("uncorrected_um") > 5.0 * most("corrected_um"), "{document}");
+        assert!(features.iter().all(|own| own["verdict"] == "conforms"), "{document}");
+    }
+}
+
 /// The picture in the documents is the page's.
 fn picture_of_the_documents(page: &str) {
     let (_, part) = page.split_once("Part with its deviations").unwrap();
