@@ -12,9 +12,8 @@
 //! Sources: ISO 21771:2007 (gear data); ISO 1328-1:2013, 5.3 (tolerances of the classes).
 
 use super::circle::NEAR;
-use super::cut::Cut;
 use crate::calibrate::ranges::number;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use trueaxis_metrology::helicoid::{Flank, Gear, GearData, Helicoid};
 use trueaxis_tables::Section;
 use trueaxis_tables::error::FileError;
@@ -141,17 +140,20 @@ pub(super) struct Traces {
 }
 
 impl Traces {
-    /// The traces through the programmed points of a feature.
+    /// The traces through programmed points of the part; directions and zero of the program that cuts them.
     ///
     /// # Errors
     /// Points that are not on the flank, or not on a grid of passes along it.
-    pub(super) fn of(of: &GearFlank, cut: &Cut) -> Result<Traces, &'static str> {
+    pub(super) fn of(
+        of: &GearFlank,
+        programmed: Vec<DVec3>,
+        (to_part, zero): (DMat3, DVec3),
+    ) -> Result<Traces, &'static str> {
         let data: GearData = of.gear.data().map_err(|_| "a gear")?;
         let surface = of.gear.helicoid(of.flank).map_err(|_| "a gear")?;
         let axis = DVec3::new(of.axis_mm[0], of.axis_mm[1], 0.0);
-        let programmed: Vec<DVec3> = cut.points.iter().map(|point| point.nominal).collect();
         // The gear stands where the set-up's program has it.
-        let local = |point: &DVec3| cut.to_part.transpose() * (*point - cut.zero) - axis;
+        let local = |point: &DVec3| to_part.transpose() * (*point - zero) - axis;
         let placed = programmed.iter().map(|point| Placed::of(local(point), &surface));
         let placed: Vec<Placed> = placed.collect::<Option<_>>().ok_or(BELOW)?;
         let first = placed.first().ok_or(BELOW)?;
@@ -180,7 +182,7 @@ impl Traces {
         if profile.len() < FEWEST || helix.len() < FEWEST {
             return Err("passes over a grid of at least five profiles and five heights");
         }
-        let normal = |one: &Placed| cut.to_part * DVec3::from(surface.normal(one.u, one.phi - one.u));
+        let normal = |one: &Placed| to_part * DVec3::from(surface.normal(one.u, one.phi - one.u));
         let normals = placed.iter().map(normal).collect();
         Ok(Traces { profile, helix, programmed, normals })
     }
