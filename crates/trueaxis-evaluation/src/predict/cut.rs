@@ -20,6 +20,8 @@ pub(super) struct Point {
     pub(super) nominal: DVec3,
     /// Direction of the pass at a point of a profile; zero on other features.
     pub(super) tangent: DVec3,
+    /// Of a profile with a side: how a tool larger in radius moves the surface, for each mm.
+    pub(super) larger: DVec3,
     /// Whether two straight moves meet there.
     pub(super) joint: bool,
     pub(super) uncorrected: Reached,
@@ -69,6 +71,8 @@ pub(super) struct Cut {
     /// Set-up, if not the first, and the directions of its program on the part.
     pub(super) setup: Option<usize>,
     pub(super) to_part: DMat3,
+    /// Zero of its program on the part, mm.
+    pub(super) zero: DVec3,
     pub(super) tool: Option<usize>,
     pub(super) side: Option<Side>,
     pub(super) gear: Option<GearFlank>,
@@ -96,7 +100,7 @@ impl Cut {
         if let Some(circle) = &mut self.circle {
             circle.centre = zero + to_part * circle.centre;
         }
-        self.to_part = to_part;
+        (self.to_part, self.zero) = (to_part, zero);
     }
 
     /// Whether only the end of a move lies on the feature, as for a chord of a circle or a step over a flank.

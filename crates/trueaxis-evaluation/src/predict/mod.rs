@@ -63,7 +63,7 @@ pub use part::{Association, Characteristic, Feature, FeatureKind, Part, Side, To
 pub use servo::ServoDocument;
 pub use shape::{Shape, shapes};
 pub use temperature::{
-    AxisGrowth, Expansion, Growth, GrowthModel, PartTemperature, SensorTemperature, Start, TEMPERATURES,
+    AxisGrowth, Expansion, Growth, GrowthModel, PartTemperature, SensorTemperature, SetupStart, Start, TEMPERATURES,
     TemperatureDocument, TemperatureRecord,
 };
 
@@ -185,11 +185,7 @@ impl Prepared {
             bail!("{}: key tolerance: found nothing, needed at least one section [[tolerance]]", part.file.display());
         }
         let growth = part.growth_on(machine)?;
-        if let Some(setup) = part.setups.first().filter(|_| growth.as_ref().is_some_and(|of| of.is_recorded())) {
-            let found = format!("the set-up {}, a program of its own, with a record of temperatures", setup.name);
-            return Err(part.wrong(setup.line, found, "constant temperatures, machine_c, for several set-ups").into());
-        }
-        let warm = growth.as_deref().map(|growth| Warm::new(growth, (machine, part.at_mm), program)).transpose()?;
+        let warm = growth.as_deref().map(|growth| Warm::new(growth, (machine, part), program)).transpose()?;
         let (mut cuts, clipped) = run::features(machine, program, part, warm.as_ref())?;
         settle_profiles(program, part, &mut cuts)?;
         let nominal = nominal(program, part, &cuts)?;
@@ -221,14 +217,23 @@ fn temperature_of(
     (part, cuts): (&Part, &[Cut]),
     warm: Option<&Warm<'_>>,
 ) -> Result<Option<TemperatureDocument>> {
-    let points = || cuts.iter().flat_map(|cut| &cut.points);
-    let span = warm.map(|warm| warm.span(points().map(|point| point.place))).transpose()?;
+    let points = || cuts.iter().flat_map(|cut| cut.points.iter().map(|point| (cut.setup, point)));
+    let place = |(setup, point): (Option<usize>, &Point)| (setup, point.place);
+    let span = warm.map(|warm| warm.span(points().map(place))).transpose()?;
     let growth = warm.map(|warm| warm.growth).zip(span);
     temperature::add_terms(terms, known, growth, part.temperature.part.as_ref());
-    let by_place = |one: &&Point, other: &&Point| one.place.partial_cmp(&other.place).unwrap_or(Ordering::Equal);
+    let by_place = |one: &(Option<usize>, &Point), other: &(Option<usize>, &Point)| {
+        place(*one).partial_cmp(&place(*other)).unwrap_or(Ordering::Equal)
+    };
     let ends = [points().min_by(by_place), points().max_by(by_place)];
-    let at = ends.map(|point| point.map_or_else(Default::default, |point| point.uncorrected.sent));
-    Ok(temperature::document(growth, &part.temperature, at))
+    let at = ends.map(|point| point.map_or_else(Default::default, |(_, point)| point.uncorrected.sent));
+    if warm.is_none_or(|warm| !warm.is_timed()) {
+        let stated = part.setups.iter().filter(|setup| setup.start.is_some());
+        terms.warnings.extend(stated.map(|setup| {
+            format!("the start of the set-up {} in a record counts only with a record of temperatures", setup.name)
+        }));
+    }
+    Ok(temperature::document(warm.zip(span), part, at))
 }
 
 /// Points and normals of the profiles.

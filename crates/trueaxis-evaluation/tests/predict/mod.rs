@@ -2,6 +2,8 @@
 
 mod advised;
 mod correlated;
+mod asked;
+mod backwards;
 mod forms;
 mod found;
 mod live;
@@ -9,6 +11,7 @@ mod measured;
 mod plant;
 mod servo;
 mod setups;
+mod surfaces;
 mod temperature;
 mod thirty;
 mod trunnion;
