@@ -152,17 +152,24 @@ fn predicted(
         bail!("trials: found {}, needed {CHECKED} to {MOST_TRIALS}", options.trials);
     }
     let mut prepared = Prepared::new(machine, stated, program, part)?;
-    let follow =
-        |(rate_hz, on_progress)| servo::follow((machine, program, part), &mut prepared.cuts, rate_hz, on_progress);
-    let servo = servo.map(follow).transpose()?;
+    let mut servo =
+        servo.map(|servo| prepared.follow((machine, stated), program, part, options.seed, servo)).transpose()?;
     let model = prepared.model(machine, part);
     let nothing = model.nothing();
     let cut = |state: State| model.cut(&nothing, state);
     let [uncorrected, corrected] = [cut(State::Uncorrected)?, cut(State::Corrected)?];
     let everything = cut(State::Everything)?;
     let outcomes = if model.terms.all.is_empty() { Vec::new() } else { outcomes(&model, &everything, options)? };
+    let mut departure = (Vec::new(), 0);
+    if let Some(servo) = servo.as_mut().filter(|servo| !servo.drawn.is_empty()) {
+        departure = servo::departure(&model, &servo.drawn, &outcomes)?;
+        servo.document.departure = departure.0.iter().copied().reduce(f64::max);
+    }
     let values = [&uncorrected[..], &corrected, &everything];
-    let document = PredictDocument::new(&model, program, options, (values, servo), outcomes);
+    let servo = servo.map(|servo| servo.document);
+    let mut document = PredictDocument::new(&model, program, options, (values, servo), outcomes);
+    let titles: Vec<String> = document.features.iter().map(Predicted::title).collect();
+    document.warnings.extend(servo::notes(&titles, &departure.0, departure.1));
     Ok(PredictDocument { temperature: prepared.temperature, ..document })
 }
 
@@ -204,6 +211,40 @@ impl Prepared {
             terms.all.extend(of_part);
         }
         Ok(Prepared { cuts, nominal, terms, moves, temperature })
+    }
+
+    /// Runs the servo; its drives are not exactly known either, unless nothing of the machine is.
+    ///
+    /// # Errors
+    /// As [`predict_with_servo`].
+    fn follow(
+        &mut self,
+        (machine, stated): (&Machine, &Uncertainties),
+        program: &Program,
+        part: &Part,
+        seed: u64,
+        (rate_hz, on_progress): Servo<'_>,
+    ) -> Result<servo::Run> {
+        let ran = servo::Ran { part, program, cuts: &self.cuts, rate_hz };
+        let known = (!self.terms.all.is_empty()).then_some(stated);
+        let (run, cuts) = servo::follow(machine, known, &ran, seed, on_progress)?;
+        self.cuts = cuts;
+        self.terms.not_stated.extend(run.not_stated.iter().cloned());
+        self.know(&run.document.kept);
+        Ok(run)
+    }
+
+    /// Adds what is not known of the drives.
+    fn know(&mut self, kept: &servo::Kept) {
+        self.terms.all.extend(kept.terms.iter().cloned());
+        self.moves.extend(kept.moves());
+    }
+
+    /// The features where the drives brought them in runs of the servo.
+    fn with_servo(mut self, of: &ServoDocument) -> Prepared {
+        self.cuts.clone_from(&of.kept.cuts);
+        self.know(&of.kept);
+        self
     }
 
     fn model<'m>(&'m self, machine: &'m Machine, part: &'m Part) -> Model<'m> {

@@ -1,11 +1,14 @@
-//! The servo in a predicted part, by the formula of a position loop.
+//! The servo in a predicted part, by the formulas of a position loop.
 
+use std::ops::{Add, Div, Mul};
 use std::path::Path;
 use trueaxis_evaluation::predict::{Options, Part, PredictDocument, predict_with_servo};
 use trueaxis_sim::program::Program;
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
 use trueaxis_tables::uncertainty::Uncertainties;
+use trueaxis_testing::noise::Noise;
+use trueaxis_testing::scatter::normal;
 
 /// Gain of the position loop, 1/s; radius, mm, and speed, mm/s.
 const GAIN: f64 = 60.0;
@@ -21,6 +24,10 @@ const PART: &str = "name = \"ring\"\nat_mm = [0, 0, -50]\n\
 
 /// Three equal drives without feed-forward or friction. EXX is 0.1 µm/mm.
 fn predicted(servo: &str, temperature: &str) -> anyhow::Result<PredictDocument> {
+    with_program(servo, temperature, PROGRAM)
+}
+
+fn with_program(servo: &str, temperature: &str, program: &str) -> anyhow::Result<PredictDocument> {
     let axis = |letter: &str, table: &str| {
         format!("[axis.{letter}]\n{table}travel_mm = [-100, 100]\n{}", servo.replace("AXIS", letter))
     };
@@ -35,7 +42,7 @@ fn predicted(servo: &str, temperature: &str) -> anyhow::Result<PredictDocument> 
     let file = Path::new("machine.toml");
     let machine = Machine::read_from(&files, file, &mut |_| {}).unwrap();
     let stated = Uncertainties::read_from(&files, file).unwrap();
-    let program = Program::parse("ring", PROGRAM, "ring.ngc").unwrap();
+    let program = Program::parse("ring", program, "ring.ngc").unwrap();
     let part = Part::read(&format!("{PART}{temperature}"), Path::new("part.toml")).unwrap();
     let options = Options { trials: 2000, seed: 3 };
     let (mut all, mut last) = (0, 0);
@@ -98,4 +105,129 @@ fn a_circle_shrinks_by_the_second_order_of_the_position_loop() {
 fn a_machine_without_figures_of_its_drives_is_refused() {
     let refused = predicted("", "").unwrap_err().to_string();
     assert!(refused.contains("small: key axis.X.drive: found nothing, needed position_gain_per_s"), "{refused}");
+}
+
+/// A complex number.
+#[derive(Clone, Copy)]
+struct Complex(f64, f64);
+
+impl Add for Complex {
+    type Output = Complex;
+    fn add(self, b: Complex) -> Complex {
+        Complex(self.0 + b.0, self.1 + b.1)
+    }
+}
+
+impl Mul for Complex {
+    type Output = Complex;
+    fn mul(self, b: Complex) -> Complex {
+        Complex(self.0 * b.0 - self.1 * b.1, self.0 * b.1 + self.1 * b.0)
+    }
+}
+
+impl Div for Complex {
+    type Output = Complex;
+    fn div(self, b: Complex) -> Complex {
+        let square = b.0 * b.0 + b.1 * b.1;
+        self * Complex(b.0 / square, -b.1 / square)
+    }
+}
+
+/// Amplitude and phase of an axis over its command at the circle's frequency: a position loop sampled every 0.1 ms about a
+/// velocity loop with PI controller and a mass.
+fn response(position_gain: f64, velocity_gain: f64) -> [f64; 2] {
+    let (real, period, omega) = (|x: f64| Complex(x, 0.0), 1e-4, SPEED / RADIUS);
+    let s = Complex(0.0, omega);
+    let (sin, cos) = (omega * period).sin_cos();
+    let held = Complex(1.0 - cos, sin) / (s * real(period));
+    let velocity = real(velocity_gain) * (real(1.0) + real(1.0) / (real(0.006) * s)) / (real(1.0) + real(2.5e-4) * s);
+    let mass = real(1.0) / (s * s);
+    let forward = velocity * held * real(position_gain) * mass;
+    let Complex(re, im) = forward / (real(1.0) + velocity * s * mass + forward);
+    [re.hypot(im), im.atan2(re)]
+}
+
+/// Diameter beyond that of the program, and distance of the two circles about the middle that enclose an ellipse, µm: it has
+/// the first order of what X and Y differ by in amplitude and phase.
+fn circle([x, y]: [[f64; 2]; 2]) -> [f64; 2] {
+    let size = RADIUS * (x[0] + y[0] - 2.0);
+    let roundness = RADIUS * (x[0] - y[0]).hypot(x[1] - y[1]);
+    [1e3 * size, 1e3 * roundness]
+}
+
+/// Standard uncertainties of the gains, 1/s.
+const KNOWN: [f64; 2] = [1.0, 40.0];
+const MACHINES: u32 = 4000;
+/// One turn before that of the feature.
+const SHORT: &str = "G21 G90 G17 G94 F1800\nG0 X15 Y0 Z5\nG0 Z4\nG0 Z3\nG0 Z2\nG0 Z1\nG0 Z0.5\nG0 Z0.2\nG1 Z0\n\
+                     G3 X15 Y0 I-15 J0\nG3 X15 Y0 I-15 J0\nG0 Z5\nM2\n";
+
+/// The machines have gains of their own; their circles follow from the closed loops alone. The prediction must contain 95 % of
+/// them, and must not where the gains are twice as uncertain.
+#[test]
+fn circles_of_drawn_drives_are_within_their_intervals() {
+    let uncertain = format!(
+        "[axis.AXIS.drive.uncertainty]\nposition_gain_per_s = {}\nvelocity_gain_per_s = {}\n",
+        KNOWN[0], KNOWN[1]
+    );
+    let of = with_program(&drive(&uncertain), "", SHORT).unwrap();
+    let servo = of.servo.as_ref().unwrap();
+    println!("{servo:?} {:?}", of.warnings);
+    // Z rests.
+    let figures = ["position gain of X", "velocity gain of X", "position gain of Y", "velocity gain of Y"];
+    assert_eq!(servo.figures, figures);
+    // Second order of a gain: 3/2 u/K z² beside z, u/K = 1/60.
+    assert!((0.01..0.08).contains(&servo.departure.unwrap()), "{:?} {:?}", servo.departure, of.warnings);
+    let known: Vec<_> = of.features.iter().map(|of| of.known.as_ref().unwrap()).collect();
+
+    // First order of one axis alone.
+    let stated = [response(GAIN, 800.0); 2];
+    for (term, gains) in
+        [("position gain of X", [GAIN + KNOWN[0], 800.0]), ("velocity gain of Y", [GAIN, 800.0 + KNOWN[1]])]
+    {
+        let off = circle([response(gains[0], gains[1]), stated[1]]);
+        for (k, known) in known.iter().enumerate() {
+            let share = |name: &str| known.budget.iter().find(|one| one.term == name).map_or(0.0, |one| one.share);
+            let wanted = off[k] - circle(stated)[k];
+            let whole = circle([response(GAIN + KNOWN[0], 800.0), stated[1]])[k] - circle(stated)[k];
+            let wanted = (wanted / whole).powi(2);
+            let found = share(term) / share("position gain of X");
+            println!("{term}, characteristic {k}: {found} for {wanted}");
+            assert!((found - wanted).abs() < 0.05 * wanted + 1e-3, "{term}, characteristic {k}: {found} for {wanted}");
+        }
+    }
+
+    // The plant moves in steps of 0.1 ms, the formula does not.
+    let off = of.features[0].everything_um.unwrap() - circle(stated)[0];
+    assert!(off.abs() < 0.4 && of.features[1].everything_um.unwrap() < 0.1, "{off}");
+    let mut noise = Noise::new(7);
+    let mut held = |wider: f64| -> [f64; 2] {
+        let mut inside = [0; 2];
+        for _ in 0..MACHINES {
+            let mut gains =
+                || [GAIN + wider * KNOWN[0] * normal(&mut noise), 800.0 + wider * KNOWN[1] * normal(&mut noise)];
+            let mut axes = [gains(), gains()].map(|[position, velocity]| response(position, velocity));
+            // The scale of X.
+            axes[0][0] += 1e-5 * normal(&mut noise);
+            let [size, roundness] = circle(axes);
+            for ((inside, value), known) in inside.iter_mut().zip([size + off, roundness]).zip(&known) {
+                let interval = known.interval_um;
+                *inside += u32::from((interval.low..=interval.high).contains(&value));
+            }
+        }
+        inside.map(|count| f64::from(count) / f64::from(MACHINES))
+    };
+    let (own, twice) = (held(1.0), held(2.0));
+    println!(
+        "held {own:?}, with twice the uncertainty {twice:?}; intervals {:?}",
+        known.iter().map(|of| of.interval_um).collect::<Vec<_>>()
+    );
+    println!(
+        "stated {:?}, found {:?}",
+        circle(stated),
+        of.features.iter().map(|of| of.everything_um).collect::<Vec<_>>()
+    );
+    for (own, twice) in own.into_iter().zip(twice) {
+        assert!((own - 0.95).abs() < 0.02 && twice < 0.85, "{own} {twice}");
+    }
 }
