@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul};
 use std::path::Path;
-use trueaxis_evaluation::predict::{Options, Part, PredictDocument, predict_with_servo};
+use trueaxis_evaluation::predict::{Options, Part, PredictDocument, advise, elsewhere, predict_with_servo};
 use trueaxis_sim::program::Program;
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
@@ -28,6 +28,12 @@ fn predicted(servo: &str, temperature: &str) -> anyhow::Result<PredictDocument> 
 }
 
 fn with_program(servo: &str, temperature: &str, program: &str) -> anyhow::Result<PredictDocument> {
+    driven(&small(servo, temperature, program))
+}
+
+type Small = (Machine, Uncertainties, Program, Part);
+
+fn small(servo: &str, temperature: &str, program: &str) -> Small {
     let axis = |letter: &str, table: &str| {
         format!("[axis.{letter}]\n{table}travel_mm = [-100, 100]\n{}", servo.replace("AXIS", letter))
     };
@@ -44,9 +50,13 @@ fn with_program(servo: &str, temperature: &str, program: &str) -> anyhow::Result
     let stated = Uncertainties::read_from(&files, file).unwrap();
     let program = Program::parse("ring", program, "ring.ngc").unwrap();
     let part = Part::read(&format!("{PART}{temperature}"), Path::new("part.toml")).unwrap();
+    (machine, stated, program, part)
+}
+
+fn driven((machine, stated, program, part): &Small) -> anyhow::Result<PredictDocument> {
     let options = Options { trials: 2000, seed: 3 };
     let (mut all, mut last) = (0, 0);
-    let document = predict_with_servo((&machine, &stated), &program, &part, options, 10_000.0, &mut |done, of| {
+    let document = predict_with_servo((machine, stated), program, part, options, 10_000.0, &mut |done, of| {
         assert!(done >= last && done <= of);
         (all, last) = (of, done);
     })?;
@@ -170,7 +180,8 @@ fn circles_of_drawn_drives_are_within_their_intervals() {
         "[axis.AXIS.drive.uncertainty]\nposition_gain_per_s = {}\nvelocity_gain_per_s = {}\n",
         KNOWN[0], KNOWN[1]
     );
-    let of = with_program(&drive(&uncertain), "", SHORT).unwrap();
+    let small = small(&drive(&uncertain), "[[instrument]]\nkind = \"ball\"\n", SHORT);
+    let of = driven(&small).unwrap();
     let servo = of.servo.as_ref().unwrap();
     println!("{servo:?} {:?}", of.warnings);
     // Z rests.
@@ -179,27 +190,19 @@ fn circles_of_drawn_drives_are_within_their_intervals() {
     // Second order of a gain: 3/2 u/K z² beside z, u/K = 1/60.
     assert!((0.01..0.08).contains(&servo.departure.unwrap()), "{:?} {:?}", servo.departure, of.warnings);
     let known: Vec<_> = of.features.iter().map(|of| of.known.as_ref().unwrap()).collect();
+    check_advice(&small, &of);
 
-    // First order of one axis alone.
+    // One axis alone, one standard uncertainty off.
     let stated = [response(GAIN, 800.0); 2];
-    for (term, gains) in
-        [("position gain of X", [GAIN + KNOWN[0], 800.0]), ("velocity gain of Y", [GAIN, 800.0 + KNOWN[1]])]
-    {
-        let off = circle([response(gains[0], gains[1]), stated[1]]);
-        for (k, known) in known.iter().enumerate() {
-            let share = |name: &str| known.budget.iter().find(|one| one.term == name).map_or(0.0, |one| one.share);
-            let wanted = off[k] - circle(stated)[k];
-            let whole = circle([response(GAIN + KNOWN[0], 800.0), stated[1]])[k] - circle(stated)[k];
-            let wanted = (wanted / whole).powi(2);
-            let found = share(term) / share("position gain of X");
-            println!("{term}, characteristic {k}: {found} for {wanted}");
-            assert!((found - wanted).abs() < 0.05 * wanted + 1e-3, "{term}, characteristic {k}: {found} for {wanted}");
-        }
+    let off = circle([response(GAIN + KNOWN[0], 800.0), stated[1]])[0] - circle(stated)[0];
+    for name in ["position gain of X", "position gain of Y"] {
+        let found = known[0].budget.iter().find(|one| one.term == name).unwrap().standard_um;
+        assert!((found - off).abs() < 0.06 * off, "{name}: {found} for {off}");
     }
 
     // The plant moves in steps of 0.1 ms, the formula does not.
     let off = of.features[0].everything_um.unwrap() - circle(stated)[0];
-    assert!(off.abs() < 0.4 && of.features[1].everything_um.unwrap() < 0.1, "{off}");
+    assert!(off.abs() < 0.4 && of.features[1].everything_um.unwrap() < 0.3, "{off}");
     let mut noise = Noise::new(7);
     let mut held = |wider: f64| -> [f64; 2] {
         let mut inside = [0; 2];
@@ -230,4 +233,24 @@ fn circles_of_drawn_drives_are_within_their_intervals() {
     for (own, twice) in own.into_iter().zip(twice) {
         assert!((own - 0.95).abs() < 0.02 && twice < 0.85, "{own} {twice}");
     }
+}
+
+/// What no ball shows stays: the advice has the drives as the prediction has them.
+fn check_advice((machine, stated, program, part): &Small, of: &PredictDocument) {
+    let advice = advise(machine, stated, program, part, of, &|_| unreachable!()).unwrap();
+    let roundness = &advice.features[1];
+    assert_eq!([roundness.verdict_before, roundness.verdict_after], ["undecided"; 2]);
+    let left: Vec<(&str, bool)> = roundness.left.iter().map(|of| (of.term.as_str(), of.is_measured)).collect();
+    assert!(left.contains(&("position gain of X", false)) && left.contains(&("position gain of Y", false)), "{left:?}");
+    assert!((roundness.after_um / roundness.before_um - 1.0).abs() < 0.1, "{roundness:?}");
+    let elsewhere = elsewhere(machine, stated, program, part, of).unwrap();
+    assert!(elsewhere.without_servo && elsewhere.places_compared > 1, "{elsewhere:?}");
+}
+
+#[test]
+fn a_gain_that_is_hardly_known_is_refused() {
+    let uncertain = "[axis.AXIS.drive.uncertainty]\nposition_gain_per_s = 20\n";
+    let refused = predicted(&drive(uncertain), "").unwrap_err().to_string();
+    let needed = "small: key axis.X.drive.uncertainty.position_gain_per_s: found 20, needed at most 30 % of 60";
+    assert!(refused.starts_with(needed), "{refused}");
 }

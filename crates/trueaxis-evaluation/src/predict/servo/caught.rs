@@ -3,7 +3,6 @@
 use super::super::cut::Followed;
 use std::sync::Arc;
 use trueaxis::machine::AXES;
-use trueaxis_sim::plant::LostMotion;
 use trueaxis_sim::run::{Moment, Sample};
 
 /// Line of the program and code of the fault at which the step stopped.
@@ -14,20 +13,19 @@ pub(super) struct Caught {
     /// In the order of the program.
     places: Arc<[(usize, f64)]>,
     errors: Vec<Followed>,
-    /// Place, error and reading of the last cycle.
-    before: Option<((usize, f64), Followed, [f64; AXES])>,
-    plays: [LostMotion; AXES],
+    /// Place and error of the last cycle.
+    before: Option<((usize, f64), Followed)>,
     stopped: Option<Stopped>,
 }
 
 impl Caught {
-    pub(super) fn new(places: &Arc<[(usize, f64)]>, plays: [LostMotion; AXES]) -> Caught {
-        Caught { places: Arc::clone(places), errors: Vec::new(), before: None, plays, stopped: None }
+    pub(super) fn new(places: &Arc<[(usize, f64)]>) -> Caught {
+        Caught { places: Arc::clone(places), errors: Vec::new(), before: None, stopped: None }
     }
 
     pub(super) fn finish(mut self) -> (Vec<Followed>, Option<Stopped>) {
         // The last place may be beyond the last setpoint by a rounding.
-        let last = self.before.map_or([[0.0; AXES]; 2], |(_, error, _)| error);
+        let last = self.before.map_or([[0.0; AXES]; 2], |(_, error)| error);
         self.errors.resize(self.places.len(), last);
         (self.errors, self.stopped)
     }
@@ -37,15 +35,11 @@ impl Caught {
             self.stopped = Some((moment.line, sample.fault));
         }
         let at = (moment.move_index, moment.u);
-        let was = self.before.map_or(sample.feedback, |(.., feedback)| feedback);
-        for (axis, play) in self.plays.iter_mut().enumerate() {
-            play.follow(sample.feedback[axis] - was[axis]);
-        }
         let off = std::array::from_fn(|axis| sample.feedback[axis] - sample.command[axis]);
-        let error = [off, self.plays.each_ref().map(LostMotion::reverse)];
+        let error = [off, sample.reverse];
         while let Some(place) = self.places.get(self.errors.len()).filter(|place| **place <= at) {
             let share = |(step, u): (usize, f64)| (step == at.0 && at.1 > u).then(|| (place.1 - u) / (at.1 - u));
-            let mixed = self.before.and_then(|(before, own, _)| Some((share(before)?, own)));
+            let mixed = self.before.and_then(|(before, own)| Some((share(before)?, own)));
             self.errors.push(match mixed {
                 Some((share, own)) => [0, 1].map(|of| {
                     let [own, error]: [[f64; AXES]; 2] = [own[of], error[of]];
@@ -54,6 +48,6 @@ impl Caught {
                 None => error,
             });
         }
-        self.before = Some((at, error, sample.feedback));
+        self.before = Some((at, error));
     }
 }

@@ -7,11 +7,10 @@ use super::caught::{Caught, Stopped};
 use super::shortened::Shortened;
 use anyhow::Result;
 use std::sync::Arc;
-use trueaxis::machine::{AXES, Axis};
+use trueaxis::machine::AXES;
 use trueaxis_metrology::cores::*;
 use trueaxis_sim::plant::drive::DriveSettings;
 use trueaxis_sim::plant::encoder::{EncoderSettings, Encoders};
-use trueaxis_sim::plant::{LostMotion, play_width};
 use trueaxis_sim::program::Program;
 use trueaxis_sim::run::{Kind, Moment, Run, Sample};
 use trueaxis_sim::{Scenario, Settings};
@@ -33,7 +32,7 @@ pub(in crate::predict) struct Ran<'p> {
     pub(in crate::predict) rate_hz: f64,
 }
 
-/// A controller and the drives that it meets, in the order of [`Axis::index`].
+/// A controller and the drives that it meets, in the order of the axes.
 pub(super) struct Driven<'m> {
     pub(super) machine: &'m Machine,
     pub(super) kind: Kind,
@@ -115,10 +114,9 @@ impl Ran<'_> {
             for Driven { machine, kind, drives } in driven {
                 let settings = settings(machine, self.rate_hz, at_mm);
                 let scenario = Arc::new(Scenario::new((*machine).clone(), program.clone(), settings)?);
-                let plays = plays(machine);
                 for drives in drives.chunks(GROUP) {
                     let run = Run::with_drives(Arc::clone(&scenario), *kind, drives)?;
-                    let caught = drives.iter().map(|_| Caught::new(&of.places, plays)).collect();
+                    let caught = drives.iter().map(|_| Caught::new(&of.places)).collect();
                     lanes.push(Lane { run, setup: setups.len(), first, caught, is_on: true });
                     first += drives.len();
                 }
@@ -171,12 +169,4 @@ fn settings(machine: &Machine, rate_hz: f64, origin_mm: [f64; 3]) -> Settings {
     settings.encoder = Encoders { linear: exact(EncoderSettings::LINEAR), rotary: exact(EncoderSettings::ROTARY) };
     settings.motion.rapid_mm_per_min = rapid_mm_per_min(machine);
     settings
-}
-
-/// Lost motion of the axes by [`Axis::index`].
-fn plays(machine: &Machine) -> [LostMotion; AXES] {
-    Axis::ALL.map(|axis| {
-        let own = machine.axes().find(|(own, _)| own.axis == axis);
-        LostMotion::new(own.map_or(0.0, |(own, table)| play_width(own, table)))
-    })
 }
