@@ -72,8 +72,11 @@ Not known of the growth are the sensors (sensor_k of [uncertainty]), expansion_u
 
 --servo runs the simulator's step and drives over the features, each with some moves before it: uncorrected, with the \
 geometric correction, and with everything that the machine.toml configures, feed-forward, friction and contour feedback. The \
-axes are then where the drives bring them; verdicts are those of everything on. The drives are exactly those of [axis.X.drive] \
-and [axis.X.friction], rigid; friction that is not stated is zero.
+axes are then where the drives bring them; verdicts are those of everything on. The drives are those of [axis.X.drive] \
+and [axis.X.friction], rigid; friction that is not stated is zero. Each figure with a standard uncertainty in \
+[axis.X.drive.uncertainty] or [axis.X.friction.uncertainty], of an axis that moves in a feature, is simulated once more, off by \
+it in the plant alone, and is drawn with the rest. With --advise, no measurement shows these figures, and places and directions \
+are compared without the servo.
 
 --find is a start for the part's file; it reads only program from it. It finds full circles of arcs or chords, holes, planes \
 milled line by line, free forms (profile), and straight lines in the plane of G17, G18 or G19. Of passes that repeat one \

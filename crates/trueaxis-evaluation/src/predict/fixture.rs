@@ -139,7 +139,7 @@ impl Side {
     }
 }
 
-/// What an uncertain quantity of set-ups and tools moves, of unit variance.
+/// What an uncertain quantity of set-ups, tools and drives moves, of unit variance.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Moves {
     /// A set-up, along (0 to 2, mm) or about (3 to 5, rad) an axis.
@@ -156,6 +156,8 @@ pub(super) enum Moves {
         tool: usize,
         by: f64,
     },
+    /// A figure of a drive, whose effect on the axes the points have.
+    Drive,
 }
 
 /// The quantities of set-ups and tools, each with its term.

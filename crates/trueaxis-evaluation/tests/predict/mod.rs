@@ -1,9 +1,10 @@
 //! Predicted parts, against parts that another plant cuts and other formulas measure.
 
 mod advised;
-mod correlated;
 mod asked;
 mod backwards;
+mod correlated;
+mod drives;
 mod forms;
 mod found;
 mod live;

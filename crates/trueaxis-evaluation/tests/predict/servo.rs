@@ -8,19 +8,19 @@ use trueaxis_tables::files::Memory;
 use trueaxis_tables::uncertainty::Uncertainties;
 
 /// Gain of the position loop, 1/s; radius, mm, and speed, mm/s.
-const GAIN: f64 = 60.0;
-const RADIUS: f64 = 15.0;
-const SPEED: f64 = 30.0;
+pub(super) const GAIN: f64 = 60.0;
+pub(super) const RADIUS: f64 = 15.0;
+pub(super) const SPEED: f64 = 30.0;
 /// Three turns, of which the second is the feature; far away before it a hole that is none.
 const PROGRAM: &str = "G21 G90 G17 G94 F1800\nG0 X90 Y90 Z5\nG1 Z-5\nG0 Z5\nG0 X90 Y0\nG0 X80\nG0 X70\nG0 X15 Y0\nG1 Z0\n\
                        G3 X15 Y0 I-15 J0\nG3 X15 Y0 I-15 J0\nG3 X15 Y0 I-15 J0\nG0 Z5\nM2\n";
-const PART: &str = "name = \"ring\"\nat_mm = [0, 0, -50]\n\
+pub(super) const PART: &str = "name = \"ring\"\nat_mm = [0, 0, -50]\n\
                     [[feature]]\nname = \"bore\"\nkind = \"circle\"\nlines = [11, 11]\n\
                     [[tolerance]]\nfeature = \"bore\"\nkind = \"size\"\nlimits_um = [-5, 5]\n\
                     [[tolerance]]\nfeature = \"bore\"\nkind = \"roundness\"\nwidth_um = 5\n";
 
 /// Three equal drives without feed-forward or friction. EXX is 0.1 µm/mm.
-fn machine(chain: &str, servo: &str) -> String {
+pub(super) fn machine(chain: &str, servo: &str) -> String {
     let axis = |letter: &str, table: &str| {
         format!("[axis.{letter}]\n{table}travel_mm = [-100, 100]\n{}", servo.replace("AXIS", letter))
     };
@@ -38,15 +38,25 @@ fn predicted(servo: &str, temperature: &str) -> anyhow::Result<PredictDocument> 
 }
 
 fn document(toml: &str, program: &str, part: &str, rate_hz: f64) -> anyhow::Result<PredictDocument> {
+    driven(&small(toml, program, part), rate_hz)
+}
+
+pub(super) type Small = (Machine, Uncertainties, Program, Part);
+
+pub(super) fn small(toml: &str, program: &str, part: &str) -> Small {
     let files = Memory::new([("machine.toml", toml), ("x.csv", "X_mm,EXX_um\n-100,-10\n100,10\n")]);
     let file = Path::new("machine.toml");
     let machine = Machine::read_from(&files, file, &mut |_| {}).unwrap();
     let stated = Uncertainties::read_from(&files, file).unwrap();
     let program = Program::parse("ring", program, "ring.ngc").unwrap();
     let part = Part::read(part, Path::new("part.toml")).unwrap();
+    (machine, stated, program, part)
+}
+
+pub(super) fn driven((machine, stated, program, part): &Small, rate_hz: f64) -> anyhow::Result<PredictDocument> {
     let options = Options { trials: 2000, seed: 3 };
     let (mut all, mut last) = (0, 0);
-    let document = predict_with_servo((&machine, &stated), &program, &part, options, rate_hz, &mut |done, of| {
+    let document = predict_with_servo((machine, stated), program, part, options, rate_hz, &mut |done, of| {
         assert!(done >= last && done <= of);
         (all, last) = (of, done);
     })?;
@@ -54,7 +64,7 @@ fn document(toml: &str, program: &str, part: &str, rate_hz: f64) -> anyhow::Resu
     Ok(document)
 }
 
-fn drive(more: &str) -> String {
+pub(super) fn drive(more: &str) -> String {
     format!(
         "[axis.AXIS.limits]\nmagnitude_um = 1000\n[axis.AXIS.drive]\nposition_gain_per_s = {GAIN}\n\
          velocity_gain_per_s = 800\nreset_time_s = 0.006\nlowest_resonance_hz = 1000\n{more}"
