@@ -182,3 +182,27 @@ fn impossible_correlations_name_their_line() {
         assert!(error.needed.contains(needed) && error.line.is_some(), "{error}");
     }
 }
+
+#[test]
+fn figures_of_drive_and_friction_are_read_with_their_degrees_of_freedom() {
+    let servo = |axis: &str, micro: &str, unit: &str| {
+        format!(
+            "[axis.{axis}.drive]\nposition_gain_per_s = 50\nvelocity_gain_per_s = 400\nreset_time_s = 0.01\n\
+             [axis.{axis}.drive.uncertainty]\nposition_gain_per_s = 2\ndead_time_s = 0\ndegrees_of_freedom = 7\n\
+             [axis.{axis}.friction]\ncoulomb_{unit}_per_s = 0.4\npresliding_{micro} = 5\n\
+             [axis.{axis}.friction.uncertainty]\ncoulomb_{unit}_per_s = 0.04\npresliding_{micro} = 1\n"
+        )
+    };
+    let found = read(&files(&format!("{PLAIN}{}{}", servo("X", "um", "mm"), servo("C", "urad", "deg")), TABLE));
+    for (axis, presliding) in [(Axis::X, 1e-3), (Axis::C, 1e-6_f64.to_degrees())] {
+        let own = found.of(axis).unwrap();
+        let stated = [Some(2.0), None, None, None, Some(0.0), Some(0.04), Some(presliding), None, None, None];
+        for (found, stated) in own.servo.iter().zip(stated) {
+            assert!((found.unwrap_or(-1.0) - stated.unwrap_or(-1.0)).abs() < 1e-15, "{axis:?}: {:?}", own.servo);
+        }
+        assert_eq!(own.servo_degrees_of_freedom, [Some(7.0), None]);
+    }
+    let unknown = format!("{PLAIN}{}", servo("X", "um", "mm").replace("dead_time_s", "gain"));
+    let error = Machine::read_from(&files(&unknown, TABLE), Path::new("machine.toml"), &mut |_| {}).unwrap_err();
+    assert_eq!(error.line, Some(13), "{error}");
+}

@@ -155,6 +155,13 @@ impl PredictDocument {
 }
 
 impl Outcome {
+    /// Scatter of the values, mm.
+    pub(super) fn standard_deviation(&self) -> f64 {
+        let count = self.values.len().max(1) as f64;
+        let mean = self.values.iter().sum::<f64>() / count;
+        (self.values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt()
+    }
+
     fn known(mut self, [low, high]: [f64; 2], names: &[&str]) -> Known {
         self.values.sort_unstable_by(f64::total_cmp);
         let end = |p: f64| quantile(&self.values, p);
@@ -163,14 +170,12 @@ impl Outcome {
         // What widens a zone from zero adds up to more than its scatter: the shares divide the scatter that was drawn.
         let whole: f64 = self.contributions.iter().sum();
         let share = |part: f64| if whole > 0.0 { part / whole } else { 0.0 };
-        let count = self.values.len().max(1) as f64;
-        let mean = self.values.iter().sum::<f64>() / count;
-        let variance = self.values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
+        let deviation = self.standard_deviation();
         let budget = names.iter().zip(&self.contributions).filter(|(_, part)| **part != 0.0);
         let mut budget: Vec<Contribution> = budget
             .map(|(term, part)| Contribution {
                 term: (*term).to_owned(),
-                standard_um: 1e3 * (share(part.abs()) * variance).sqrt().copysign(*part),
+                standard_um: 1e3 * share(part.abs()).sqrt().copysign(*part) * deviation,
                 share: share(*part),
             })
             .collect();

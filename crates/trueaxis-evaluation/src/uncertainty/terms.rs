@@ -45,7 +45,7 @@ pub(crate) enum Effect {
     Points { axis: Axis, component: usize, of: Vec<f64> },
     /// A location error: standard uncertainty, mm or rad.
     Location(Source, f64),
-    /// Of a part's set-up or tool, not of the machine.
+    /// Of a part's set-up or tool, or of a drive, whose effect the points of the part have.
     #[cfg_attr(not(feature = "simulation"), expect(dead_code, reason = "predicted parts alone have it"))]
     Part,
 }

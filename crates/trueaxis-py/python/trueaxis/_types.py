@@ -2682,6 +2682,23 @@ class Predicted(Section):
     budget: tuple[Contribution, ...] | None
 
 
+class SetupStart(Section):
+    """When a further set-up starts in a record.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    start_s : float
+        Start of its program after the record's first row.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    name: str
+    start_s: float
+
+
 class SensorTemperature(Section):
     """Temperatures of a sensor.
 
@@ -2728,6 +2745,8 @@ class PredictedPartTemperature(Section):
         The record; absent at a constant temperature.
     start_s : float | None
         Start of the program after the record's first row.
+    setups : tuple[SetupStart, ...]
+        Starts of the further set-ups after the record's first row; none at a constant temperature.
     cut_s : NDArray[np.float64] | None
         First and last cut of a feature after the start of the program.
     sensors : tuple[SensorTemperature, ...]
@@ -2741,9 +2760,10 @@ class PredictedPartTemperature(Section):
     """
 
     __slots__ = ()
-    _sections: ClassVar[dict[str, type[Section]]] = {"sensors": SensorTemperature, "growth": AxisGrowth}
+    _sections: ClassVar[dict[str, type[Section]]] = {"setups": SetupStart, "sensors": SensorTemperature, "growth": AxisGrowth}
     record: str | None
     start_s: float | None
+    setups: tuple[SetupStart, ...]
     cut_s: NDArray[np.float64] | None
     sensors: tuple[SensorTemperature, ...]
     growth: tuple[AxisGrowth, ...]

@@ -1,9 +1,9 @@
 //! `[uncertainty]`, `[uncertainty.location]`, `[[uncertainty.correlation]]` and `[axis.*.uncertainty]` of `machine.toml`.
 
 use super::section::{KeyValue, Section};
-use super::units::{from_um, from_urad, same};
+use super::units::{degrees_from_urad, from_um, from_urad, same};
 use crate::error::FileError;
-use crate::uncertainty::{AxisUncertainty, Instrument, LocationUncertainty, Uncertainties};
+use crate::uncertainty::{AxisUncertainty, Figure, Instrument, LocationUncertainty, Uncertainties};
 use trueaxis::machine::Axis;
 
 /// Largest standard uncertainties: the largest values of the quantities themselves, in the units of the file.
@@ -150,6 +150,7 @@ pub(super) fn read_axis(axis: &Section<'_>, of: Axis) -> Result<AxisUncertainty,
         let [resonance, damping] = of_resonance(&drive)?.map(|stated| stated.map(|stated| stated.value));
         (found.resonance_hz, found.resonance_damping) = (resonance, damping);
     }
+    read_servo(axis, &mut found)?;
     let Some(section) = axis.section("uncertainty")? else { return Ok(found) };
     let (micro, bounds, convert): (_, _, fn(f64) -> f64) =
         if of.is_rotary() { ("urad", &URAD, from_urad) } else { ("um", &UM, from_um) };
@@ -172,4 +173,22 @@ pub(super) fn read_axis(axis: &Section<'_>, of: Axis) -> Result<AxisUncertainty,
     found.degrees_of_freedom = degrees_of_freedom(&section)?;
     section.finish(None)?;
     Ok(found)
+}
+
+/// Reads `[axis.*.drive.uncertainty]` and `[axis.*.friction.uncertainty]`, whose keys are known by then.
+fn read_servo(axis: &Section<'_>, found: &mut AxisUncertainty) -> Result<(), FileError> {
+    for (name, degrees) in ["drive", "friction"].into_iter().zip(&mut found.servo_degrees_of_freedom) {
+        let Some(figures) = axis.section(name)? else { continue };
+        let Some(section) = figures.section("uncertainty")? else { continue };
+        *degrees = degrees_of_freedom(&section)?;
+        for (to, figure) in found.servo.iter_mut().zip(Figure::ALL).filter(|(_, figure)| figure.section() == name) {
+            let convert: fn(f64) -> f64 = match (figure, found.axis.is_rotary()) {
+                (Figure::Presliding, false) => from_um,
+                (Figure::Presliding, true) => degrees_from_urad,
+                _ => same,
+            };
+            *to = stated(&section, figure.key(found.axis), &SERVO, convert)?;
+        }
+    }
+    Ok(())
 }

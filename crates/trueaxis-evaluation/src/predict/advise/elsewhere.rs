@@ -67,7 +67,7 @@ impl Asked<'_> {
         let conform = [here.conform, there.conform];
         let place = Placed { at_mm, conform, here: here.worst, there: there.worst };
         let place = there.is_better(&here, BETTER).then_some(place);
-        Ok(Elsewhere { place, places_compared, places_refused, directions: Vec::new() })
+        Ok(Elsewhere { place, places_compared, places_refused, directions: Vec::new(), without_servo: false })
     }
 
     /// The features that lost motion decides, cut in the other direction, where that is better.

@@ -97,7 +97,7 @@ impl Prior<'_> {
             for (unknown, (z, known)) in self.unknowns.iter().zip(z.iter().zip(update.estimate(&read))) {
                 left.set(unknown, z - known);
             }
-            cut = Some(self.model.cut(&left, State::Corrected)?);
+            cut = Some(self.model.cut(&left, State::Everything)?);
         }
         let value = |(index, of): (usize, &Feature)| {
             if of.is_cut {
@@ -141,7 +141,7 @@ pub(super) fn features(
         let [derivatives, effects] = derivatives(index);
         let Interval { low, high } = known.interval_um;
         Ok(Feature {
-            value: 1e-3 * of.corrected_um,
+            value: 1e-3 * of.everything_um.unwrap_or(of.corrected_um),
             interval: Interval { low: 1e-3 * low, high: 1e-3 * high },
             limits: limits[index],
             is_cut: known.parts_cut.is_some(),
