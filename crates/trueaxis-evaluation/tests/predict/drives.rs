@@ -64,9 +64,9 @@ fn circle([x, y]: [[f64; 2]; 2]) -> [f64; 2] {
 /// Standard uncertainties of the gains, 1/s.
 const KNOWN: [f64; 2] = [1.0, 40.0];
 const MACHINES: u32 = 4000;
-/// One turn before that of the feature.
+/// One turn before that of the feature and one after it.
 const SHORT: &str = "G21 G90 G17 G94 F1800\nG0 X15 Y0 Z5\nG0 Z4\nG0 Z3\nG0 Z2\nG0 Z1\nG0 Z0.5\nG0 Z0.2\nG1 Z0\n\
-                     G3 X15 Y0 I-15 J0\nG3 X15 Y0 I-15 J0\nG0 Z5\nM2\n";
+                     G3 X15 Y0 I-15 J0\nG3 X15 Y0 I-15 J0\nG3 X15 Y0 I-15 J0\nG0 Z5\nM2\n";
 
 /// The machines have gains of their own; their circles follow from the closed loops alone. The prediction must contain 95 % of
 /// them, and must not where the gains are twice as uncertain.
