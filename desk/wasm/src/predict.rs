@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::path::Path;
 use trueaxis_evaluation::predict::{
-    GrowthModel, Live, Options, Part, PredictDocument, Shape, predict as evaluate, shapes,
+    GrowthModel, Live, Options, Part, PredictDocument, Shape, predict as evaluate,
 };
 use trueaxis_evaluation::shown::Shown;
 use trueaxis_sim::program::Program;
@@ -43,13 +43,10 @@ struct Request {
 /// A predicted part.
 #[derive(Serialize)]
 struct Predicted {
-    /// The document printed by `trueaxis predict --json`.
-    document: PredictDocument,
+    #[serde(flatten)]
+    there: There,
     /// Printed by `trueaxis predict`.
     shown: Shown,
-    /// Share of each tolerance that is used.
-    used: Vec<f64>,
-    shapes: Vec<Shape>,
     notes: Vec<String>,
 }
 
@@ -62,16 +59,21 @@ struct Kept {
     machine_c: Option<f64>,
 }
 
-/// The part at another place.
+/// The part at a place.
 #[derive(Serialize)]
 struct There {
+    /// The document printed by `trueaxis predict --json`.
     document: PredictDocument,
+    /// Share of each tolerance that is used.
     used: Vec<f64>,
     shapes: Vec<Shape>,
 }
 
-fn used(document: &PredictDocument) -> Vec<f64> {
-    document.features.iter().map(trueaxis_evaluation::predict::Predicted::used).collect()
+impl From<PredictDocument> for There {
+    fn from(mut document: PredictDocument) -> There {
+        let used = document.features.iter().map(trueaxis_evaluation::predict::Predicted::used).collect();
+        There { used, shapes: std::mem::take(&mut document.shapes), document }
+    }
 }
 
 /// Everything that a part is predicted from.
@@ -114,8 +116,7 @@ fn read(files: &str, request: &str) -> Result<Read> {
 fn predicted(files: &str, request: &str) -> Result<String> {
     let Read { machine, stated, program, part, options, notes } = read(files, request)?;
     let document = evaluate(&machine, &stated, &program, &part, options)?;
-    let shapes = shapes(&machine, &stated, &program, &part, &document)?;
-    json(&Predicted { shown: document.shown(), used: used(&document), document, shapes, notes })
+    json(&Predicted { shown: document.shown(), there: document.into(), notes })
 }
 
 /// Predicts a part: `document`, `shown`, `used`, `shapes`, `notes`. `request`: `part` and `program` (name and text each),
@@ -145,7 +146,7 @@ pub fn predict_at(x_mm: f64, y_mm: f64, z_mm: f64, machine_c: Option<f64>) -> Re
     to_js(LIVE.with_borrow(|live| {
         let moved =
             live.as_ref().context("found no part, needed one that was kept")?.at([x_mm, y_mm, z_mm], machine_c)?;
-        json(&There { used: used(&moved.document), document: moved.document, shapes: moved.shapes })
+        json(&There::from(moved))
     }))
 }
 

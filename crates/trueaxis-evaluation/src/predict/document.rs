@@ -3,6 +3,7 @@
 use super::Options;
 use super::advise::document::Advice;
 use super::servo::ServoDocument;
+use super::shape::Shape;
 use super::temperature::TemperatureDocument;
 use super::unknowns::Model;
 use super::verdict::verdict_of;
@@ -46,6 +47,9 @@ pub struct PredictDocument {
     /// What to do about it, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub advice: Option<Advice>,
+    /// The features as a picture, in the order of the part.
+    #[serde(skip)]
+    pub shapes: Vec<Shape>,
 }
 
 /// A toleranced characteristic of a feature.
@@ -149,6 +153,7 @@ impl PredictDocument {
             not_stated: model.terms.not_stated.clone(),
             warnings: model.terms.warnings.clone(),
             advice: None,
+            shapes: Vec::new(),
         }
     }
 }

@@ -57,10 +57,10 @@ pub use find::{Found, LeftOut, find, sections};
 pub use fixture::{Setup, Tool};
 pub use gear::{FlankDeviation, GearFlank};
 pub use inputs::{PartFiles, growth_model, own_task, thermal_beside};
-pub use live::{Live, There};
+pub use live::Live;
 pub use part::{Association, Characteristic, Feature, FeatureKind, Part, Side, Tolerance};
 pub use servo::ServoDocument;
-pub use shape::{Shape, shapes};
+pub use shape::Shape;
 pub use temperature::{
     AxisGrowth, Expansion, Growth, GrowthModel, PartTemperature, SensorTemperature, Start, TEMPERATURES,
     TemperatureDocument, TemperatureRecord,
@@ -157,13 +157,15 @@ fn predicted(
     let servo = servo.map(follow).transpose()?;
     let model = prepared.model(machine, part);
     let nothing = model.nothing();
-    let cut = |state: State| model.cut(&nothing, state);
-    let [uncorrected, corrected] = [cut(State::Uncorrected)?, cut(State::Corrected)?];
-    let everything = cut(State::Everything)?;
+    let points = |state: State| model.points(&nothing, state);
+    let points = [points(State::Uncorrected)?, points(State::Corrected)?, points(State::Everything)?];
+    let [uncorrected, corrected, everything] = points.each_ref().map(|points| model.values(points));
+    let [uncorrected, corrected, everything] = [uncorrected?, corrected?, everything?];
     let outcomes = if model.terms.all.is_empty() { Vec::new() } else { outcomes(&model, &everything, options)? };
     let values = [&uncorrected[..], &corrected, &everything];
     let document = PredictDocument::new(&model, program, options, (values, servo), outcomes);
-    Ok(PredictDocument { temperature: prepared.temperature, ..document })
+    let shapes = shape::drawn(&model, points.each_ref().map(Vec::as_slice), &document);
+    Ok(PredictDocument { temperature: prepared.temperature, shapes, ..document })
 }
 
 /// The features of a part on a machine, and what is not known of it.

@@ -26,7 +26,7 @@ pub use part::{Expansion, PartTemperature};
 pub use record::{TEMPERATURES, TemperatureRecord};
 
 use super::times::Times;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use model::Line;
 use record::Reading;
 use std::path::PathBuf;
@@ -41,6 +41,22 @@ pub enum Start {
     After(f64),
     /// At this `t_s` of a record whose times count from midnight.
     At(f64),
+}
+
+impl Start {
+    /// The time on a clock, `HH:MM`.
+    ///
+    /// # Errors
+    /// Text that is no time of day.
+    pub fn on_clock(text: &str) -> Result<Start> {
+        let parts = text.split_once(':').and_then(|(hours, minutes)| {
+            Some((hours.parse::<u32>().ok()?, minutes.parse::<u32>().ok().filter(|_| minutes.len() == 2)?))
+        });
+        match parts {
+            Some((hours @ 0..=23, minutes @ 0..=59)) => Ok(Start::At(f64::from(3600 * hours + 60 * minutes))),
+            _ => bail!("needed hours and minutes, 00:00 to 23:59"),
+        }
+    }
 }
 
 /// Growth of a machine while a part is cut.
