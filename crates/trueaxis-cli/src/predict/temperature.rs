@@ -1,7 +1,7 @@
 //! Temperatures of a predicted part: its record, and the machine's model of growth.
 
 use crate::csv_in;
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use trueaxis_evaluation::predict::{Part, Start, TEMPERATURES, TemperatureRecord, growth_model, thermal_beside};
@@ -17,8 +17,13 @@ pub(super) struct TemperatureArgs {
     #[arg(long, value_name = "S", requires = "thermal", conflicts_with = "at")]
     start: Option<f64>,
     /// Start of the program on the clock, if t_s of the record counts from midnight.
-    #[arg(long, value_name = "HH:MM", requires = "thermal", value_parser = Start::on_clock)]
-    at: Option<Start>,
+    #[arg(long, value_name = "HH:MM", requires = "thermal", value_parser = clock)]
+    at: Option<f64>,
+}
+
+/// Seconds since midnight.
+fn clock(text: &str) -> Result<f64> {
+    Start::clock(text).ok_or_else(|| anyhow!("needed hours and minutes, 00:00 to 23:59"))
 }
 
 impl TemperatureArgs {
@@ -32,7 +37,7 @@ impl TemperatureArgs {
     pub(super) fn apply(&self, part: Part, machine: &Machine, path: &Path) -> Result<Part> {
         let read = |record: &PathBuf| TemperatureRecord::read(csv_in::open(record, &TEMPERATURES, "rows")?);
         let record = self.thermal.as_ref().map(read).transpose()?;
-        let start = self.at.unwrap_or(Start::After(self.start.unwrap_or(0.0)));
+        let start = self.at.map_or_else(|| Start::After(self.start.unwrap_or(0.0)), Start::At);
         part.warmed(record.as_ref().map(|record| (record, start)), || growth_model(machine, path))
     }
 }

@@ -26,7 +26,7 @@ pub use part::{Expansion, PartTemperature};
 pub use record::{TEMPERATURES, TemperatureRecord};
 
 use super::times::Times;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use model::Line;
 use record::Reading;
 use std::path::PathBuf;
@@ -44,18 +44,12 @@ pub enum Start {
 }
 
 impl Start {
-    /// The time on a clock, `HH:MM`.
-    ///
-    /// # Errors
-    /// Text that is no time of day.
-    pub fn on_clock(text: &str) -> Result<Start> {
-        let parts = text.split_once(':').and_then(|(hours, minutes)| {
-            Some((hours.parse::<u32>().ok()?, minutes.parse::<u32>().ok().filter(|_| minutes.len() == 2)?))
-        });
-        match parts {
-            Some((hours @ 0..=23, minutes @ 0..=59)) => Ok(Start::At(f64::from(3600 * hours + 60 * minutes))),
-            _ => bail!("needed hours and minutes, 00:00 to 23:59"),
-        }
+    /// Seconds since midnight of a time on the clock, `HH:MM`.
+    pub fn clock(text: &str) -> Option<f64> {
+        let (hours, minutes) = text.split_once(':')?;
+        let part = |digits: &str, most: u32| digits.parse::<u32>().ok().filter(|found| *found <= most);
+        let minutes = part(minutes, 59).filter(|_| minutes.len() == 2)?;
+        Some(f64::from(3600 * part(hours, 23)? + 60 * minutes))
     }
 }
 
