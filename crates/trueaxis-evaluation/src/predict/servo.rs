@@ -4,8 +4,8 @@
 //! q(t) = q_c(t) + e(t)        e: reading − command of a run, in which the correction and the error of the servo are
 //! ```
 //!
-//! Lost motion is traversed by the readings, as in the plant. The drives are exactly those of the machine.toml, rigid, with
-//! encoders that are free of errors; friction that is not stated is zero. A point gets the positions of the moment at which it is commanded: the lag along the path moves it along the
+//! The drives are exactly those of the machine.toml, rigid, with encoders that are free of errors; friction that is not stated
+//! is zero. A point gets the positions of the moment at which it is commanded: the lag along the path moves it along the
 //! feature, and what is left across the path is in the feature.
 //!
 //! Of a program of X, Y and Z alone only the features run, each with some moves before and after it, and rapids between them.
@@ -20,7 +20,7 @@ use std::sync::Arc;
 use trueaxis::machine::{AXES, Axis, MachineSettings};
 use trueaxis_sim::plant::drive::DriveSettings;
 use trueaxis_sim::plant::encoder::{EncoderSettings, Encoders};
-use trueaxis_sim::plant::{LostMotion, play_width, stated};
+use trueaxis_sim::plant::stated;
 use trueaxis_sim::program::{Curve, Move, Program, Turn};
 use trueaxis_sim::run::{Kind, Moment, Run, Sample, Sink};
 use trueaxis_sim::{Scenario, Settings};
@@ -108,14 +108,13 @@ pub(super) fn follow(
         document.simulated_s += started[0].cycles() as f64 / rate_hz;
         runs.push((setup, index, places, started));
     }
-    let plays = plays(machine);
     let all: u64 = runs.iter().flat_map(|(.., runs)| runs).map(Run::cycles).sum();
     let mut done = 0;
     for (setup, index, places, started) in runs {
         let program = part.program_of(setup, program);
         let mut errors = Vec::new();
         for mut run in started {
-            let mut caught = Caught { places: &places, errors: Vec::new(), before: None, plays, stopped: None };
+            let mut caught = Caught { places: &places, errors: Vec::new(), before: None, stopped: None };
             loop {
                 let before = run.cycle();
                 let is_on = run.advance(BLOCK, &mut caught);
@@ -241,22 +240,13 @@ fn widened(program: &Program, [mut first, mut last]: [usize; 2]) -> [usize; 2] {
     [first, last]
 }
 
-/// Lost motion of the axes by [`Axis::index`].
-fn plays(machine: &Machine) -> [LostMotion; AXES] {
-    Axis::ALL.map(|axis| {
-        let own = machine.axes().find(|(own, _)| own.axis == axis);
-        LostMotion::new(own.map_or(0.0, |(own, table)| play_width(own, table)))
-    })
-}
-
 /// Reading minus command at places of the program, and the share of the lost motion that is taken up in negative travel.
 struct Caught<'p> {
     /// In the order of the program.
     places: &'p [(usize, f64)],
     errors: Vec<Followed>,
-    /// Place, error and reading of the last cycle.
-    before: Option<((usize, f64), Followed, [f64; AXES])>,
-    plays: [LostMotion; AXES],
+    /// Place and error of the last cycle.
+    before: Option<((usize, f64), Followed)>,
     /// Line and code of the fault at which the step stopped.
     stopped: Option<(u32, u8)>,
 }
@@ -264,7 +254,7 @@ struct Caught<'p> {
 impl Caught<'_> {
     fn finish(mut self) -> Vec<Followed> {
         // The last place may be beyond the last setpoint by a rounding.
-        let last = self.before.map_or([[0.0; AXES]; 2], |(_, error, _)| error);
+        let last = self.before.map_or([[0.0; AXES]; 2], |(_, error)| error);
         self.errors.resize(self.places.len(), last);
         self.errors
     }
@@ -277,15 +267,11 @@ impl Sink for Caught<'_> {
             self.stopped = Some((moment.line, sample.fault));
         }
         let at = (moment.move_index, moment.u);
-        let was = self.before.map_or(sample.feedback, |(.., feedback)| feedback);
-        for (axis, play) in self.plays.iter_mut().enumerate() {
-            play.follow(sample.feedback[axis] - was[axis]);
-        }
         let off = std::array::from_fn(|axis| sample.feedback[axis] - sample.command[axis]);
-        let error = [off, self.plays.each_ref().map(LostMotion::reverse)];
+        let error = [off, sample.reverse];
         while let Some(place) = self.places.get(self.errors.len()).filter(|place| **place <= at) {
             let share = |(step, u): (usize, f64)| (step == at.0 && at.1 > u).then(|| (place.1 - u) / (at.1 - u));
-            let mixed = self.before.and_then(|(before, own, _)| Some((share(before)?, own)));
+            let mixed = self.before.and_then(|(before, own)| Some((share(before)?, own)));
             self.errors.push(match mixed {
                 Some((share, own)) => [0, 1].map(|of| {
                     let [own, error]: [[f64; AXES]; 2] = [own[of], error[of]];
@@ -294,6 +280,6 @@ impl Sink for Caught<'_> {
                 None => error,
             });
         }
-        self.before = Some((at, error, sample.feedback));
+        self.before = Some((at, error));
     }
 }
