@@ -84,10 +84,13 @@ lines = [3, 3]
 [[tolerance]]
 feature = "bore"
 kind = "size"
-limits_um = [-2, 2]
+limits_um = [-0.45, 0.45]
+[probe]
+repeatability_um = 0.1
 [[instrument]]
 kind = "ring"
 diameter_mm = 40
+uncertainty_um = 0.1
 [[instrument]]
 kind = "ball"
 """
