@@ -46,7 +46,7 @@ use trueaxis_evaluation::predict::{
 /// -------
 /// PredictedPart
 ///     The document of `trueaxis predict --json`; `to_frame` has the verdicts, `budget` all contributions, and with
-///     advise=True `advice.measurements` what to measure and `advice_after` every characteristic before and after, as data
+///     advise=True `advice_measurements` what to measure and `advice_after` every characteristic before and after, as data
 ///     frames.
 ///
 /// Raises

@@ -3,7 +3,6 @@
 use super::Options;
 use super::advise::document::Advice;
 use super::servo::ServoDocument;
-use super::shape::Shape;
 use super::temperature::TemperatureDocument;
 use super::unknowns::Model;
 use super::verdict::verdict_of;
@@ -104,6 +103,31 @@ pub struct Contribution {
     pub standard_um: f64,
     /// Share of the variance, 0 … 1, after the squares of the effects of each quantity alone.
     pub share: f64,
+}
+
+/// A feature as a picture draws it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Shape {
+    /// Name of the feature.
+    pub feature: String,
+    /// Its kind, as a part's file names it.
+    pub kind: &'static str,
+    /// Whether the last point joins the first: a full circle.
+    pub closed: bool,
+    /// Programmed points in coordinates of the program, in the order in which they are cut, mm.
+    pub points_mm: Vec<[f64; 3]>,
+    /// Deviations of the points without correction, µm.
+    pub uncorrected_um: Vec<[f64; 3]>,
+    /// Deviations of the points with the machine's correction, µm.
+    pub corrected_um: Vec<[f64; 3]>,
+    /// Deviations of the points with everything on, µm; absent without a run of the servo.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub everything_um: Option<Vec<[f64; 3]>>,
+    /// Worst verdict of its characteristics, in the words of [`Known::verdict`]; `null` without
+    /// tolerances or uncertainties.
+    pub verdict: Option<&'static str>,
+    /// Largest share of a tolerance that is used ([`Predicted::used`]); `null` without tolerances.
+    pub used: Option<f64>,
 }
 
 /// What the draws give for a tolerance, mm.

@@ -52,7 +52,7 @@ pub use advise::{
     Advice, Advised, AdvisedTask, Directed, Elsewhere, Instrument, InstrumentKind, Left, Measurement, Placed, Touching,
     advise, elsewhere,
 };
-pub use document::{Contribution, Known, PredictDocument, Predicted};
+pub use document::{Contribution, Known, PredictDocument, Predicted, Shape};
 pub use find::{Found, LeftOut, find, sections};
 pub use fixture::{Setup, Tool};
 pub use gear::{FlankDeviation, GearFlank};
@@ -60,7 +60,6 @@ pub use inputs::{PartFiles, growth_model, own_task, thermal_beside};
 pub use live::Live;
 pub use part::{Association, Characteristic, Feature, FeatureKind, Part, Side, Tolerance};
 pub use servo::ServoDocument;
-pub use shape::Shape;
 pub use temperature::{
     AxisGrowth, Expansion, Growth, GrowthModel, PartTemperature, SensorTemperature, Start, TEMPERATURES,
     TemperatureDocument, TemperatureRecord,

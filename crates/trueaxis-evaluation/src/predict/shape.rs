@@ -2,37 +2,11 @@
 
 use super::part::FeatureKind;
 use super::unknowns::Model;
-use super::{PredictDocument, Predicted};
+use super::{PredictDocument, Predicted, Shape};
 use glam::DVec3;
-use serde::Serialize;
 
 /// Most points of a feature in a picture.
 const MOST: usize = 73;
-
-/// A feature as a picture draws it.
-#[derive(Clone, Debug, Serialize)]
-pub struct Shape {
-    /// Name of the feature.
-    pub feature: String,
-    /// Its kind, as a part's file names it.
-    pub kind: &'static str,
-    /// Whether the last point joins the first: a full circle.
-    pub closed: bool,
-    /// Programmed points in coordinates of the program, in the order in which they are cut, mm.
-    pub points_mm: Vec<[f64; 3]>,
-    /// Deviations of the points without correction, µm.
-    pub uncorrected_um: Vec<[f64; 3]>,
-    /// Deviations of the points with the machine's correction, µm.
-    pub corrected_um: Vec<[f64; 3]>,
-    /// Deviations of the points with everything on, µm; absent without a run of the servo.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub everything_um: Option<Vec<[f64; 3]>>,
-    /// Worst verdict of its characteristics, in the words of [`Known::verdict`](super::Known::verdict); `null` without
-    /// tolerances or uncertainties.
-    pub verdict: Option<&'static str>,
-    /// Largest share of a tolerance that is used ([`Predicted::used`]); `null` without tolerances.
-    pub used: Option<f64>,
-}
 
 /// The shapes from the points of all features, uncorrected, corrected and with everything on.
 pub(super) fn drawn(model: &Model<'_>, cut: [&[Vec<DVec3>]; 3], document: &PredictDocument) -> Vec<Shape> {
