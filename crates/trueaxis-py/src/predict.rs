@@ -87,9 +87,6 @@ pub(crate) fn predict<'py>(
         return Err(Error::new_err(format!("at_mm: found {found}, needed a finite number")));
     }
     let begin = begin(start, at, thermal.is_some())?;
-    if servo && advise {
-        return Err(Error::new_err("advise: found servo=True, needed one of the two"));
-    }
     let measured = thermal.map(|thermal| Measured::of_columns(&thermal, "thermal", &TEMPERATURES)).transpose()?;
     let mut notes = Vec::new();
     let predicted = || {

@@ -131,7 +131,6 @@ def test_refused_temperatures_name_what_is_needed(small):
         ({"thermal": record, "start": 1.0, "at": "10:00"}, "at: found start and at, needed one of the two"),
         ({"thermal": record, "start": float("nan")}, "start: found NaN, needed a finite number"),
         ({"thermal": record, "at": "24:00"}, 'at: found "24:00", needed hours and minutes, 00:00 to 23:59'),
-        ({"servo": True, "advise": True}, "advise: found servo=True, needed one of the two"),
     ):
         assert refused(lambda: trueaxis.predict(machine, part, **given)) == text
     assert "needed rows until" in refused(lambda: trueaxis.predict(machine, part, thermal=record))

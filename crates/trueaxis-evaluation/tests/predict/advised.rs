@@ -10,9 +10,9 @@ use trueaxis_evaluation::predict::{Advice, Options, Part, advise, predict};
 use trueaxis_evaluation::simulated::rehearsal::{Conditions, Drift, calibrate};
 use trueaxis_metrology::linear_fit::LinearFit;
 use trueaxis_sim::program::Program;
-use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
 use trueaxis_tables::uncertainty::Uncertainties;
+use trueaxis_tables::{Additions, Machine};
 use trueaxis_testing::noise::Noise;
 use trueaxis_testing::scatter::normal;
 
@@ -92,6 +92,7 @@ fn the_foreseen_uncertainty_is_that_after_a_simulated_calibration() {
     assert!(LINEAR.iter().all(|index| advice.features[*index].after_um < 0.5 * advice.features[*index].before_um));
     let task = Task::read(&advice.task.as_ref().unwrap().text("mill"), Path::new("task.toml")).unwrap();
     let (steps, _) = plate();
+    let (mut deviations, mut stated) = (Vec::new(), Vec::new());
     let values = (0..MACHINES).map(|number| {
         let mut noise = Noise::new(9000 + number as u64);
         let drawn = Errors::stated().drawn(&KNOWN, &mut noise);
@@ -100,7 +101,10 @@ fn the_foreseen_uncertainty_is_that_after_a_simulated_calibration() {
         let log = calibrate(&task, &machine, &machine_of(&drawn), &conditions).unwrap();
         let (_, found) = solved(&task, &machine, &log, Path::new("probe.log"), |_| {}).unwrap();
         let memory = Memory::new(files.clone());
-        let edited = found.additions(&task).edit(&memory, Path::new("machine.toml")).unwrap();
+        let additions = found.additions(&task);
+        deviations.push(deviations_of(&additions, &drawn));
+        stated.push(additions.correlations.iter().map(|own| own.coefficient).collect::<Vec<f64>>());
+        let edited = additions.edit(&memory, Path::new("machine.toml")).unwrap();
         let mut after = files.clone();
         for (name, text) in edited.files {
             let name = name.display().to_string();
