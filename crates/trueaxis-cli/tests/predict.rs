@@ -570,6 +570,8 @@ fn the_servo_is_simulated_where_the_machine_states_its_drives() {
     {
         assert!(text.contains(part), "{part}: {text}");
     }
+    folder.good(&[&call[..], &["--report", "page"]].concat());
+    assert!(folder.read("page/predict.html").contains("Part with everything on"));
     folder.bad(&["predict", ".", "part.toml", "--rate-hz", "2000"], &["--servo"]);
     folder.bad(&["predict", ".", "part.toml", "--servo", "--rate-hz", "10"], &["rate_hz", "100"]);
     folder.bad(&[&call[..], &["--advise"]].concat(), &["cannot be used with"]);

@@ -10,7 +10,7 @@ use clap::Args;
 use servo::ServoArgs;
 use std::path::{Path, PathBuf, absolute};
 use temperature::TemperatureArgs;
-use trueaxis_evaluation::predict::{Advice, Options, PartFiles, advise, elsewhere, find, own_task, sections, shapes};
+use trueaxis_evaluation::predict::{Advice, Options, PartFiles, advise, elsewhere, find, own_task, sections};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::uncertainty::Uncertainties;
 
@@ -157,12 +157,7 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
         _ => None,
     };
     if let Some(to) = &arguments.report {
-        let mut figures = vec![report::predict::margins(&document)];
-        // The picture has no servo.
-        if document.servo.is_none() {
-            let shapes = shapes(&machine, &stated, &program, &part, &document)?;
-            figures.insert(0, report::predict::picture(&shapes));
-        }
+        let figures = vec![report::predict::picture(&document.shapes), report::predict::margins(&document)];
         let page = document.shown().page("", figures);
         report::write_to(&mut outputs, &page, to, "predict.html")?;
     }

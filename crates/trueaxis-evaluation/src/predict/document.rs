@@ -46,6 +46,9 @@ pub struct PredictDocument {
     /// What to do about it, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub advice: Option<Advice>,
+    /// The features as a picture, in the order of the part.
+    #[serde(skip)]
+    pub shapes: Vec<Shape>,
 }
 
 /// A toleranced characteristic of a feature.
@@ -103,6 +106,31 @@ pub struct Contribution {
     pub share: f64,
 }
 
+/// A feature as a picture draws it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Shape {
+    /// Name of the feature.
+    pub feature: String,
+    /// Its kind, as a part's file names it.
+    pub kind: &'static str,
+    /// Whether the last point joins the first: a full circle.
+    pub closed: bool,
+    /// Programmed points in coordinates of the program, in the order in which they are cut, mm.
+    pub points_mm: Vec<[f64; 3]>,
+    /// Deviations of the points without correction, µm.
+    pub uncorrected_um: Vec<[f64; 3]>,
+    /// Deviations of the points with the machine's correction, µm.
+    pub corrected_um: Vec<[f64; 3]>,
+    /// Deviations of the points with everything on, µm; absent without a run of the servo.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub everything_um: Option<Vec<[f64; 3]>>,
+    /// Worst verdict of its characteristics, in the words of [`Known::verdict`]; `null` without
+    /// tolerances or uncertainties.
+    pub verdict: Option<&'static str>,
+    /// Largest share of a tolerance that is used ([`Predicted::used`]); `null` without tolerances.
+    pub used: Option<f64>,
+}
+
 /// What the draws give for a tolerance, mm.
 pub(super) struct Outcome {
     pub(super) values: Vec<f64>,
@@ -150,6 +178,7 @@ impl PredictDocument {
             not_stated: model.terms.not_stated.clone(),
             warnings: model.terms.warnings.clone(),
             advice: None,
+            shapes: Vec::new(),
         }
     }
 }

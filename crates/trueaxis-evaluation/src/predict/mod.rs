@@ -54,15 +54,14 @@ pub use advise::{
     Advice, Advised, AdvisedTask, Directed, Elsewhere, Instrument, InstrumentKind, Left, Measurement, Placed, Touching,
     advise, elsewhere,
 };
-pub use document::{Contribution, Known, PredictDocument, Predicted};
+pub use document::{Contribution, Known, PredictDocument, Predicted, Shape};
 pub use find::{Found, LeftOut, find, sections};
 pub use fixture::{Setup, Tool};
 pub use gear::{FlankDeviation, GearFlank};
 pub use inputs::{PartFiles, growth_model, own_task, thermal_beside};
-pub use live::{Live, There};
+pub use live::Live;
 pub use part::{Association, Characteristic, Feature, FeatureKind, Part, Side, Tolerance};
 pub use servo::ServoDocument;
-pub use shape::{Shape, shapes};
 pub use temperature::{
     AxisGrowth, Expansion, Growth, GrowthModel, PartTemperature, SensorTemperature, SetupStart, Start, TEMPERATURES,
     TemperatureDocument, TemperatureRecord,
@@ -152,9 +151,10 @@ fn predicted(
         servo.map(|servo| prepared.follow((machine, stated), program, part, options.seed, servo)).transpose()?;
     let model = prepared.model(machine, part);
     let nothing = model.nothing();
-    let cut = |state: State| model.cut(&nothing, state);
-    let [uncorrected, corrected] = [cut(State::Uncorrected)?, cut(State::Corrected)?];
-    let everything = cut(State::Everything)?;
+    let points = |state: State| model.points(&nothing, state);
+    let points = [points(State::Uncorrected)?, points(State::Corrected)?, points(State::Everything)?];
+    let [uncorrected, corrected, everything] = points.each_ref().map(|points| model.values(points));
+    let [uncorrected, corrected, everything] = [uncorrected?, corrected?, everything?];
     let outcomes = if model.terms.all.is_empty() { Vec::new() } else { outcomes(&model, &everything, options)? };
     let mut departure = (Vec::new(), 0);
     if let Some(servo) = servo.as_mut().filter(|servo| !servo.drawn.is_empty()) {
@@ -166,7 +166,8 @@ fn predicted(
     let mut document = PredictDocument::new(&model, program, options, (values, servo), outcomes);
     let titles: Vec<String> = document.features.iter().map(Predicted::title).collect();
     document.warnings.extend(servo::notes(&titles, &departure.0, departure.1));
-    Ok(PredictDocument { temperature: prepared.temperature, ..document })
+    let shapes = shape::drawn(&model, points.each_ref().map(Vec::as_slice), &document);
+    Ok(PredictDocument { temperature: prepared.temperature, shapes, ..document })
 }
 
 /// Derivatives of all characteristics with respect to an unknown, and what it contributes to their standard uncertainties.

@@ -94,6 +94,14 @@ fn a_circle_shrinks_by_the_second_order_of_the_position_loop() {
     let known = size.known.as_ref().unwrap();
     assert!((known.expanded_um - 1.96 * 0.15).abs() < 0.02, "{}", known.expanded_um);
     assert_eq!(known.verdict, "does not conform");
+    // The picture shows the same, half of it at the radius; the lag is along the circle.
+    let shape = &of.shapes[0];
+    let turns = shape.points_mm.iter().zip(&shape.corrected_um).zip(shape.everything_um.as_ref().unwrap());
+    for (([x, y, _], corrected), everything) in turns {
+        let radius_um = |um: &[f64; 3]| 1e3 * ((x + 1e-3 * um[0]).hypot(y + 1e-3 * um[1]) - RADIUS);
+        let [corrected, everything] = [corrected, everything].map(radius_um);
+        assert!((corrected - 0.5 * shrunk).abs() < 0.5 && everything == corrected, "{corrected} and {everything}");
+    }
     let servo = of.servo.unwrap();
     // The drilling and the way to it are left out.
     assert!(servo.moves[0] < servo.moves[1] && servo.machines.len() == 2, "{servo:?}");

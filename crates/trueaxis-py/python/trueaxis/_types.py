@@ -2784,6 +2784,12 @@ class Servo(Section):
         Simulated time of each machine.
     moves : NDArray[np.int64]
         Moves simulated, and moves of the programs.
+    plants : int
+        Further machines with everything on, whose drives differ from the stated figures.
+    figures : tuple[str, ...]
+        Uncertain figures of the drives.
+    departure : float | None
+        How far parts cut with all figures drawn at once are from the sum of their single effects: root mean square as a share of the scatter, the largest of all characteristics; absent without uncertain figures.
     """
 
     __slots__ = ()
@@ -2792,6 +2798,9 @@ class Servo(Section):
     machines: tuple[str, ...]
     simulated_s: float
     moves: NDArray[np.int64]
+    plants: int
+    figures: tuple[str, ...]
+    departure: float | None
 
 
 class Measurement(Section):
@@ -2948,6 +2957,8 @@ class Advice(Section):
         Number of places refused: the part or its correction leaves the travel there.
     directions : tuple[Directed, ...] | None
         Features that are better cut in the other direction.
+    without_servo : bool | None
+        Whether the prediction has the servo, without which all of them are compared.
     corrected : tuple[str, ...]
         Characteristics to which the correction gives another verdict, in words.
     """
@@ -2965,6 +2976,7 @@ class Advice(Section):
     places_compared: int | None
     places_refused: int | None
     directions: tuple[Directed, ...] | None
+    without_servo: bool | None
     corrected: tuple[str, ...]
 
 

@@ -147,6 +147,11 @@ impl Growth {
         Ok(Growth { model, readings, lines, is_beyond, record: Some(recorded) })
     }
 
+    /// Whether it follows a record.
+    pub(super) fn is_recorded(&self) -> bool {
+        self.record.is_some()
+    }
+
     /// Growth at a time since the start of the first program, s: between two readings in proportion to time.
     pub(super) fn at(&self, t_s: f64) -> Lines {
         between(
