@@ -39,6 +39,8 @@ use trueaxis_evaluation::predict::{
 ///     feature is the value with all that the machine configures against its error.
 /// rate_hz : float, default 10000
 ///     Servo rate, Hz.
+/// exact_drives : bool, default False
+///     True takes the figures of the drives as exactly stated, which saves a run of the servo for each uncertain one.
 /// advise : bool, default False
 ///     True adds what to measure, where to put the part and in which direction to cut under `advice`.
 ///
@@ -62,7 +64,8 @@ use trueaxis_evaluation::predict::{
 /// `servo` and temperatures these are not included; the process never is.
 #[pyfunction]
 #[pyo3(signature = (machine, part, program = None, *, at_mm = None, trials = 10_000, seed = 1, thermal = None, start = None,
-    at = None, servo = false, rate_hz = 10_000.0, advise = false))]
+    at = None, servo = false, rate_hz = 10_000.0, exact_drives = false,
+    advise = false))]
 pub(crate) fn predict<'py>(
     py: Python<'py>,
     machine: &Bound<'py, Machine>,
@@ -76,6 +79,7 @@ pub(crate) fn predict<'py>(
     at: Option<&str>,
     servo: bool,
     rate_hz: f64,
+    exact_drives: bool,
     advise: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
     let Machine { machine, stated: Some(stated), path, .. } = machine.get() else {
@@ -97,7 +101,9 @@ pub(crate) fn predict<'py>(
         let own = own.warmed(record.as_ref().map(|record| (record, begin)), || growth_model(machine, path))?;
         let options = Options { trials, seed };
         let mut document = if servo {
-            predict_with_servo((machine, stated), &program, &own, options, rate_hz, &mut |_, _| {})?
+            let exact = exact_drives.then(|| stated.clone().with_exact_drives());
+            let known = (machine, exact.as_ref().unwrap_or(stated));
+            predict_with_servo(known, &program, &own, options, rate_hz, &mut |_, _| {})?
         } else {
             evaluate(machine, stated, &program, &own, options)?
         };

@@ -230,6 +230,13 @@ impl Uncertainties {
         Some(parts.iter().map(|part| part * part).sum::<f64>().sqrt())
     }
 
+    /// The same with every figure of the drives and of friction stated as exact.
+    #[must_use]
+    pub fn with_exact_drives(mut self) -> Uncertainties {
+        self.axes.iter_mut().for_each(|own| own.servo = [Some(0.0); Figure::ALL.len()]);
+        self
+    }
+
     /// Full key of every figure that is a single number and can be correlated with others, like
     /// `axis.X.uncertainty.scale_ppm`, with its standard uncertainty in SI units or mm; `None`: not stated.
     pub fn figures(&self) -> Vec<(String, Option<f64>)> {

@@ -56,7 +56,7 @@ export class Longer {
   }
 
   private async follow(): Promise<void> {
-    const said = await this.run("predict_servo", "Simulating the servo", "--servo", RATE_HZ);
+    const said = await this.run("predict_servo", "Simulating the servo", "--servo --exact-drives", RATE_HZ);
     if (said !== undefined) this.show(JSON.parse(said) as Predicted);
   }
 

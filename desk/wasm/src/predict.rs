@@ -161,12 +161,13 @@ pub fn predict(files: &str, request: &str) -> Result<String, Refusal> {
     to_js(predicted(files, request))
 }
 
-/// As [`predict`], with the servo at a rate, Hz. The share that is done is reported as the progress of the call.
+/// As [`predict`], with the servo at a rate, Hz, and drives exactly as stated: a page has no time for a run of each uncertain
+/// figure. The share that is done is reported as the progress of the call.
 #[wasm_bindgen]
 pub fn predict_servo(files: &str, request: &str, rate_hz: f64) -> Result<String, Refusal> {
     let followed = || {
         let Read { machine, stated, program, part, options, notes, .. } = read(files, request)?;
-        let known = (&machine, &stated);
+        let known = (&machine, &stated.with_exact_drives());
         let tell = &mut |done: u64, all: u64| progress(&(done as f64 / all.max(1) as f64).to_string());
         let document = predict_with_servo(known, &program, &part, options, rate_hz, tell)?;
         json(&Predicted { shown: document.shown(), there: document.into(), notes })

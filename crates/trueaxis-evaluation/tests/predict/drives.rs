@@ -135,6 +135,20 @@ fn check_advice((machine, stated, program, part): &Small, of: &PredictDocument) 
 }
 
 #[test]
+fn drives_taken_as_exact_have_no_runs_of_their_own() {
+    let uncertain = "[axis.AXIS.drive.uncertainty]\nposition_gain_per_s = 1\n";
+    let (machine, stated, program, part) = with(&drive(uncertain), "", SHORT);
+    let of = driven(&(machine, stated.with_exact_drives(), program, part), RATE_HZ).unwrap();
+    let servo = of.servo.as_ref().unwrap();
+    assert!(servo.figures.is_empty() && servo.plants == 0 && servo.departure.is_none(), "{servo:?}");
+    assert!(
+        of.features[0].known.is_some() && !of.not_stated.iter().any(|key| key.contains("drive")),
+        "{:?}",
+        of.not_stated
+    );
+}
+
+#[test]
 fn a_gain_that_is_hardly_known_is_refused() {
     let uncertain = "[axis.AXIS.drive.uncertainty]\nposition_gain_per_s = 20\n";
     let refused = driven(&with(&drive(uncertain), "", SHORT), RATE_HZ).unwrap_err().to_string();

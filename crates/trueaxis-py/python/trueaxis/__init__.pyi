@@ -285,6 +285,7 @@ def predict(
     at: str | None = None,
     servo: bool = False,
     rate_hz: float = 10_000.0,
+    exact_drives: bool = False,
     advise: bool = False,
 ) -> PredictedPart: ...
 def import_table(

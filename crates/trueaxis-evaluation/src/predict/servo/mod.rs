@@ -5,10 +5,10 @@
 //! e(z)  ≈ e + Σ_k z_k e_k          e_k: what one standard uncertainty of a figure of the drives changes of it, a run each
 //! ```
 //!
-//! The drives are those of the machine.toml, rigid, with encoders
-//! that are free of errors; friction that is not stated is zero. A figure with a standard uncertainty differs in the plant
-//! alone: the controller keeps the stated one. A point gets the positions of the moment at which it is commanded: the lag
-//! along the path moves it along the feature, and what is left across the path is in the feature.
+//! The drives are those of the machine.toml, rigid, with encoders that are free of errors; friction that is not stated is
+//! zero. A figure with a standard uncertainty differs in the plant alone: the controller keeps the stated one. A point gets the
+//! positions of the moment at which it is commanded: the lag along the path moves it along the feature, and what is left across
+//! the path is in the feature.
 //!
 //! Some plants with all figures drawn at once are run beside them, to compare with the sum of the single effects.
 
