@@ -1,5 +1,6 @@
 //! The evaluations, compared with independent values.
 
+mod correlation;
 mod covariance;
 mod coverage;
 mod diagonal;

@@ -12,7 +12,7 @@ use trueaxis_tables::uncertainty::Uncertainties;
 #[command(next_help_heading = "Servo")]
 pub(super) struct ServoArgs {
     /// Simulate the servo where the program cuts the features.
-    #[arg(long, conflicts_with_all = ["advise", "find"])]
+    #[arg(long, conflicts_with = "find")]
     servo: bool,
     /// Servo rate, Hz.
     #[arg(long, value_name = "HZ", default_value_t = 10_000.0, requires = "servo")]

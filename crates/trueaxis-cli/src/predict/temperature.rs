@@ -1,7 +1,7 @@
 //! Temperatures of a predicted part: its record, and the machine's model of growth.
 
 use crate::csv_in;
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use trueaxis_evaluation::predict::{
@@ -25,13 +25,7 @@ pub(super) struct TemperatureArgs {
 
 /// Seconds since midnight.
 fn clock(text: &str) -> Result<f64> {
-    let parts = text.split_once(':').and_then(|(hours, minutes)| {
-        Some((hours.parse::<u32>().ok()?, minutes.parse::<u32>().ok().filter(|_| minutes.len() == 2)?))
-    });
-    match parts {
-        Some((hours @ 0..=23, minutes @ 0..=59)) => Ok(f64::from(3600 * hours + 60 * minutes)),
-        _ => bail!("needed hours and minutes, 00:00 to 23:59"),
-    }
+    Start::clock(text).ok_or_else(|| anyhow!("needed hours and minutes, 00:00 to 23:59"))
 }
 
 impl TemperatureArgs {

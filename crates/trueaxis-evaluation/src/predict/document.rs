@@ -96,9 +96,10 @@ pub struct Known {
 pub struct Contribution {
     /// Name of the term: of its errors those of ISO 230-1.
     pub term: String,
-    /// Contribution to the standard uncertainty; their squares add up to its square.
+    /// Contribution to the standard uncertainty; their squares add up to its square, those of negative ones subtracted.
     pub standard_um: f64,
-    /// Share of the variance, 0 … 1, after the squares of the effects of each quantity alone.
+    /// Share of the variance after the squares of the effects of each quantity alone, of a correlated one with half of what it
+    /// has in common with each other one: negative where that makes the whole smaller. All shares add up to 1.
     pub share: f64,
 }
 
@@ -107,7 +108,7 @@ pub(super) struct Outcome {
     pub(super) values: Vec<f64>,
     /// Whether the values were cut by exact transforms.
     pub(super) cut: bool,
-    /// Squared contribution of every term, mm².
+    /// Part of every term in the variance, mm²; negative where its correlation makes the whole smaller.
     pub(super) contributions: Vec<f64>,
 }
 
@@ -154,6 +155,13 @@ impl PredictDocument {
 }
 
 impl Outcome {
+    /// Scatter of the values, mm.
+    pub(super) fn standard_deviation(&self) -> f64 {
+        let count = self.values.len().max(1) as f64;
+        let mean = self.values.iter().sum::<f64>() / count;
+        (self.values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt()
+    }
+
     fn known(mut self, [low, high]: [f64; 2], names: &[&str]) -> Known {
         self.values.sort_unstable_by(f64::total_cmp);
         let end = |p: f64| quantile(&self.values, p);
@@ -161,19 +169,17 @@ impl Outcome {
         let inside = self.values.iter().filter(|value| (low..=high).contains(*value)).count();
         // What widens a zone from zero adds up to more than its scatter: the shares divide the scatter that was drawn.
         let whole: f64 = self.contributions.iter().sum();
-        let share = |squared: f64| if whole > 0.0 { squared / whole } else { 0.0 };
-        let count = self.values.len().max(1) as f64;
-        let mean = self.values.iter().sum::<f64>() / count;
-        let variance = self.values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
-        let budget = names.iter().zip(&self.contributions).filter(|(_, squared)| **squared > 0.0);
+        let share = |part: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        let deviation = self.standard_deviation();
+        let budget = names.iter().zip(&self.contributions).filter(|(_, part)| **part != 0.0);
         let mut budget: Vec<Contribution> = budget
-            .map(|(term, squared)| Contribution {
+            .map(|(term, part)| Contribution {
                 term: (*term).to_owned(),
-                standard_um: 1e3 * (share(*squared) * variance).sqrt(),
-                share: share(*squared),
+                standard_um: 1e3 * share(part.abs()).sqrt().copysign(*part) * deviation,
+                share: share(*part),
             })
             .collect();
-        sort_by_number(&mut budget, |one| -one.share);
+        sort_by_number(&mut budget, |one| -one.share.abs());
         Known {
             expanded_um: 1e3 * 0.5 * (interval.high - interval.low),
             interval_um: Interval { low: 1e3 * interval.low, high: 1e3 * interval.high },

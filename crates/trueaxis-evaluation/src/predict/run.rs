@@ -58,7 +58,7 @@ pub(super) fn features(
                 .into());
         }
         let program = part.program_of(setup, program);
-        let of_setup = in_setup(machine, program, part, &features, (&placement, warm), &mut clipped)?;
+        let of_setup = in_setup(machine, program, part, (setup, &features), (&placement, warm), &mut clipped)?;
         for (index, mut cut) in indices.into_iter().zip(of_setup) {
             if let Some(held) = held {
                 cut.place(held.to_part(), DVec3::from(held.zero_mm));
@@ -74,7 +74,7 @@ fn in_setup(
     machine: &Machine,
     program: &Program,
     part: &Part,
-    features: &[&Feature],
+    (setup, features): (Option<usize>, &[&Feature]),
     (placement, warm): (&Placement, Option<&Warm<'_>>),
     clipped: &mut Clipped,
 ) -> Result<Vec<Cut>> {
@@ -100,7 +100,7 @@ fn in_setup(
                 let command = placement.axes(step, u);
                 within_travel(machine, program, step, &command)?;
                 let place = (index, u);
-                let growth = warm.map(|warm| warm.at(place)).unwrap_or_default();
+                let growth = warm.map(|warm| warm.at((setup, place))).unwrap_or_default();
                 let Arrived { uncorrected, corrected, wanted, warm } = drives.reach(command, &growth)?;
                 if is_feature {
                     clipped.add(&machine.settings, &command, &wanted);
@@ -112,10 +112,13 @@ fn in_setup(
                     let point = Point {
                         nominal,
                         tangent,
+                        larger: DVec3::ZERO,
                         joint,
+                        command,
                         uncorrected,
                         corrected,
                         everything,
+                        drives: Vec::new(),
                         ideal,
                         place,
                         warm,
@@ -200,11 +203,13 @@ fn to_end(step: &Move, placement: &Placement) -> Vec<f64> {
     (1..=count as usize).map(|k| first + (last - first) * k as f64 / count).collect()
 }
 
-/// Direction of the tip's path on the workpiece.
+/// Direction of the tip's path on the workpiece. Of the second order: turned by as little as half of a step, the normals of a
+/// full circle would make its size a rotation.
 fn tangent(step: &Move, u: f64, placement: &Placement) -> DVec3 {
     let (first, last) = step.curve.domain();
-    let [before, after] = [u - AROUND * (last - first), u].map(|u| placement.place(step, u).tip);
-    (after - before).normalize_or_zero()
+    let [here, before, earlier] =
+        [0.0, 1.0, 2.0].map(|steps| placement.place(step, u - steps * AROUND * (last - first)).tip);
+    (4.0 * (here - before) - (here - earlier)).normalize_or_zero()
 }
 
 /// Whether a move cuts along a line.

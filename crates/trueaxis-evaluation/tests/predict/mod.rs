@@ -1,6 +1,10 @@
 //! Predicted parts, against parts that another plant cuts and other formulas measure.
 
 mod advised;
+mod asked;
+mod backwards;
+mod correlated;
+mod drives;
 mod forms;
 mod found;
 mod live;
@@ -8,6 +12,7 @@ mod measured;
 mod plant;
 mod servo;
 mod setups;
+mod surfaces;
 mod temperature;
 mod thirty;
 mod trunnion;
