@@ -7,6 +7,8 @@ mod diagonal;
 mod field;
 mod helicoid;
 mod plane;
+#[cfg(feature = "simulated")]
+mod plate_on_edge;
 mod points;
 #[cfg(feature = "simulated")]
 mod predict;
