@@ -32,10 +32,11 @@ The part's file states where the program's zero is in the machine, the lines of 
     association = minimum zone instead of least squares: straightness, flatness, roundness
     datums = [...]: position, profile (up to three); parallelism, perpendicularity, angularity (one)
     class, or width_um, of a slope limits_um: profile total, form or slope, helix total, form or slope
-  [[setup]], a further one, with name, program, at_mm; zero_mm, turned_deg, uncertainty_um, uncertainty_urad
+  [[setup]], a further one, with name, program, at_mm; zero_mm, turned_deg, uncertainty_um, uncertainty_urad,
+    start_s or start_at
   [[tool]] with name, diameter_uncertainty_um, length_uncertainty_um
-    a feature states setup, tool, and side if the diameter is uncertain: inside or outside (circle), left or right (line,
-    profile), below or above (profile cut by the end of a ball)
+    a feature states setup, tool, and side if the diameter is uncertain: inside or outside (circle),
+    left or right (line, profile), below or above (profile cut by the end of a ball)
 
 The exact geometry of the machine gives the points that are cut, with lost motion by the direction in which each axis \
 arrives, and with corrections as far as their limits in the machine.toml admit. Features are fitted by least squares. \
@@ -63,7 +64,7 @@ the simulator. RECORD.csv has one row a reading, as for `trueaxis thermal fit`:
   t_s: time
   T1_c … T16_c: sensors, degrees Celsius
   spindle_rpm, tool_mm: speed of the spindle, length from its nose, as far as thermal.toml needs them
-A [[setup]] that does not follow the one before at once has start_s (after the first row) or start_at = HH:MM.
+A [[setup]] that does not follow the one before at once has start_s (after the first row) or start_at = HH:MM (after midnight the next day's).
 Without a record, the part's file may state constant temperatures:
   [temperature] with machine_c; part_c, part_expansion_um_per_m_k and part_u_k (its standard uncertainty): a part \
 cut warm shrinks to 20 °C

@@ -44,6 +44,8 @@ pub struct Setup {
     pub uncertainty: [f64; 6],
     /// When it starts in a record of temperatures; when the one before has ended unless stated.
     pub start: Option<Start>,
+    /// Line of that key.
+    pub start_line: u32,
     /// The program, once it has been read.
     pub program: Option<Program>,
     /// Line in the part's file.
@@ -76,9 +78,20 @@ impl Setup {
             }
             uncertainty[first..first + 3].copy_from_slice(&found.value.map(|u| mm * u));
         }
-        let start = read_start(&section)?;
+        let (start, start_line) = read_start(&section)?.unzip();
         section.finish(None)?;
-        Ok(Setup { name, file, at_mm, zero_mm, turned_deg, uncertainty, start, program: None, line })
+        Ok(Setup {
+            name,
+            file,
+            at_mm,
+            zero_mm,
+            turned_deg,
+            uncertainty,
+            start,
+            start_line: start_line.unwrap_or(line),
+            program: None,
+            line,
+        })
     }
 
     /// Directions of the set-up's program on the part.
@@ -88,15 +101,18 @@ impl Setup {
     }
 }
 
-/// When a set-up starts in a record of temperatures, by one of two keys.
-fn read_start(section: &Section<'_>) -> Result<Option<Start>, FileError> {
-    let after = number(section, "start_s", [0.0, LATEST_S], " s after the first row of the record")?;
-    let Some(at) = section.string("start_at")? else { return Ok(after.map(Start::After)) };
+/// When a set-up starts in a record of temperatures, by one of two keys, and the line of that.
+fn read_start(section: &Section<'_>) -> Result<Option<(Start, u32)>, FileError> {
+    number(section, "start_s", [0.0, LATEST_S], " s after the first row of the record")?;
+    let after = section.number("start_s")?;
+    let Some(at) = section.string("start_at")? else {
+        return Ok(after.map(|after| (Start::After(after.value), after.line)));
+    };
     if after.is_some() {
         return Err(section.wrong(&at, "start_s or start_at, one of them"));
     }
     let seconds = Start::clock(at.value).ok_or_else(|| section.wrong(&at, "hours and minutes, 00:00 to 23:59"))?;
-    Ok(Some(Start::At(seconds)))
+    Ok(Some((Start::At(seconds), at.line)))
 }
 
 /// A tool.

@@ -149,6 +149,17 @@ fn nominal(program: &Program, part: &Part, cuts: &[Cut]) -> Result<Vec<Nominal>>
     cuts.iter().zip(&part.features).map(of).collect()
 }
 
+/// Where a feature is cut, for a reader.
+fn place(part: &Part, of: &Feature) -> String {
+    let lines = match of.lines {
+        [first, last] if first == last => format!("line {first}"),
+        [first, last] => format!("lines {first} to {last}"),
+    };
+    let setup = of.setup.and_then(|setup| part.setups.get(setup));
+    let setup = setup.map_or("the first set-up", |setup| &setup.name);
+    if part.setups.is_empty() { lines } else { format!("{lines} of {setup}") }
+}
+
 /// Refuses datums that are cut after a feature that refers to them.
 fn datums_first(part: &Part, cuts: &[Cut]) -> Result<()> {
     for tolerance in part.tolerances.iter().filter(|one| one.characteristic != Characteristic::Distance) {
@@ -156,8 +167,8 @@ fn datums_first(part: &Part, cuts: &[Cut]) -> Result<()> {
             let (datum_cut, own_cut) = (&cuts[*datum], &cuts[tolerance.feature]);
             if (datum_cut.setup, datum_cut.moves[1]) >= (own_cut.setup, own_cut.moves[0]) {
                 let [own, datum] = [tolerance.feature, *datum].map(|index| &part.features[index]);
-                let found = format!("the datum {}, cut in lines {} to {}", datum.name, datum.lines[0], datum.lines[1]);
-                let needed = format!("a datum that is made before {}, line {}", own.name, own.lines[0]);
+                let found = format!("the datum {}, cut in {}", datum.name, place(part, datum));
+                let needed = format!("a datum that is made before {}, {}", own.name, place(part, own));
                 return Err(part.wrong(tolerance.line, found, needed).into());
             }
         }

@@ -29,6 +29,9 @@ const LENGTH: f64 = 100.0;
 
 /// Least distance of the second pass from a point at the end of a surface, as a multiple of that of the first.
 const BEYOND: f64 = 1.2;
+/// Distance below which a pass runs along an earlier one of a profile in a plane, mm: above the height of an arc between two
+/// points, below any step beside it.
+const RETRACED: f64 = 0.05;
 /// Cosine of the angle between a normal and the direction towards the material beyond which that is on neither side: 89°.
 const ASIDE: f64 = 0.017;
 
@@ -84,6 +87,10 @@ pub(super) fn settle(cut: &mut Cut) -> Result<(), Wrong> {
 /// at its tip, leaves it there and moves it the more, the steeper it is.
 fn larger(cut: &mut Cut, side: Side, is_flat: bool) -> Result<(), Wrong> {
     let is_along = matches!(side, Side::Left | Side::Right);
+    let other = ("a pass in the other direction", "one direction, since left and right are seen along the path");
+    if is_along && is_flat && is_retraced(&cut.points) {
+        return Err(other);
+    }
     let mut before: Option<DVec3> = None;
     for (point, normal) in cut.points.iter_mut().zip(&cut.normals) {
         let left = cut.normal.cross(point.tangent).normalize_or_zero();
@@ -106,15 +113,23 @@ fn larger(cut: &mut Cut, side: Side, is_flat: bool) -> Result<(), Wrong> {
         }
         let into = *normal * share.signum();
         if is_along && !is_flat && before.is_some_and(|before| before.dot(into) < -SMOOTH) {
-            return Err((
-                "a pass in the other direction",
-                "one direction, since left and right are seen along the path",
-            ));
+            return Err(other);
         }
         before = Some(into);
         point.larger = if is_along { into } else { point.pointing + into };
     }
     Ok(())
+}
+
+/// Whether a pass goes back along itself.
+fn is_retraced(points: &[Point]) -> bool {
+    let is_back = |k: usize, pair: &[Point]| {
+        let (from, way) = (pair[0].nominal, pair[1].nominal - pair[0].nominal);
+        let away = points[k].nominal - from;
+        let share = (away.dot(way) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        points[k].tangent.dot(way) < -SMOOTH * way.length() && away.distance(share * way) < RETRACED
+    };
+    (2..points.len()).any(|k| points[..k].windows(2).any(|pair| is_back(k, pair)))
 }
 
 /// The normal of the plane that all points are in; `Some(None)` if they are in none, `None` if they are on a line.

@@ -79,6 +79,8 @@ fn in_setup(
     clipped: &mut Clipped,
 ) -> Result<Vec<Cut>> {
     program.check_axes(&machine.settings)?;
+    let held = setup.and_then(|setup| part.setups.get(setup));
+    let at = held.map_or_else(|| String::from("at_mm"), |held| format!("at_mm of the set-up {}", held.name));
     let found = |feature: &&Feature| locate::found(program, part, feature, placement);
     let mut cuts = features.iter().map(found).collect::<Result<Vec<_>>>()?;
     let spacings: Vec<f64> = cuts.iter().map(|cut| spacing(program, cut, placement)).collect();
@@ -98,7 +100,7 @@ fn in_setup(
             };
             for u in parameters {
                 let command = placement.axes(step, u);
-                within_travel(machine, program, step, &command)?;
+                within_travel(machine, program, step, &command, &at)?;
                 let place = (index, u);
                 let growth = warm.map(|warm| warm.at((setup, place))).unwrap_or_default();
                 let Arrived { uncorrected, corrected, wanted, warm } = drives.reach(command, &growth)?;
@@ -146,7 +148,8 @@ fn has_linear(machine: &Machine) -> Result<()> {
     Ok(())
 }
 
-fn within_travel(machine: &Machine, program: &Program, step: &Move, command: &[f64; AXES]) -> Result<()> {
+/// `at`: the key that states where the part is.
+fn within_travel(machine: &Machine, program: &Program, step: &Move, command: &[f64; AXES], at: &str) -> Result<()> {
     // A rotary axis that the program does not turn stays where it is.
     let counted = |axis: Axis| !axis.is_rotary() || program.is_five_axis();
     for own in machine.settings.axes.iter().filter(|own| counted(own.axis)) {
@@ -154,7 +157,7 @@ fn within_travel(machine: &Machine, program: &Program, step: &Move, command: &[f
         if q < low || q > high {
             let unit = if own.axis.is_rotary() { "degrees" } else { "mm" };
             let found = format!("axis {} at {q:.3} {unit}", own.axis.letter());
-            let needed = format!("within its travel, {low} to {high} {unit}, with the part at at_mm");
+            let needed = format!("within its travel, {low} to {high} {unit}, with the part at {at}");
             return Err(ProgramError::new(&program.file, step.line, found, needed).into());
         }
     }

@@ -31,6 +31,9 @@ impl Times {
     /// # Errors
     /// A program that cannot be planned.
     pub(super) fn of(machine: &Machine, program: &Program, at_mm: [f64; 3]) -> Result<Times> {
+        if program.moves.is_empty() {
+            return Ok(Times { reached: Vec::new() });
+        }
         let placement =
             Placement::new(machine, at_mm).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
         let rapid_mm_per_min = rapid_mm_per_min(machine);

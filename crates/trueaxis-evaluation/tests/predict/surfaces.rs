@@ -150,3 +150,26 @@ fn sides_that_a_profile_does_not_have_are_refused() {
         assert!(wanted.iter().all(|part| found.contains(part)), "{wanted:?}: {found}");
     }
 }
+
+/// There and back along one path the material would change sides; round a rib 4 mm wide it does not.
+#[test]
+fn a_profile_that_goes_back_along_itself_has_no_side() {
+    let back = |aside: f64| {
+        let text = format!(
+            "G21 G90 G17 G94 F600\nG0 X0 Y0 Z5\nG1 Z-5\nG1 X20\nG2 X40 Y-20 I0 J-20\nG1 Y-40\nG1 X{}\nG1 Y-20\n\
+             G3 X20 Y{} I-{} J0\nG1 X0\nM2\n",
+            40.0 - aside,
+            -aside,
+            20.0 - aside
+        );
+        let part = "name = \"back\"\nat_mm = [0, 0, -40]\n[[tool]]\nname = \"mill\"\ndiameter_uncertainty_um = 2\n\
+                    [[feature]]\nname = \"f\"\nkind = \"profile\"\nlines = [4, 10]\nside = \"right\"\n\
+                    [[tolerance]]\nfeature = \"f\"\nkind = \"profile\"\nwidth_um = 40\n";
+        super::predict_part(Some(&super::KNOWN), &text, part)
+    };
+    let refused = back(0.0).unwrap_err().to_string();
+    for part in ["plate.ngc:4", "a pass in the other direction, in the lines of f", "one direction"] {
+        assert!(refused.contains(part), "{refused}");
+    }
+    assert!(back(4.0).is_ok());
+}

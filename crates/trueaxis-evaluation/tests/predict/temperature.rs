@@ -184,6 +184,37 @@ fn a_set_up_grows_as_the_record_says_when_it_is_cut() {
     }
 }
 
+/// `t_s` goes on after midnight, the clock begins again.
+#[test]
+fn a_part_is_cut_after_midnight() {
+    let machine = machine("[axis.X.thermal]\noffset_um_per_k = 5\n");
+    let starts = |first_s: f64, start: &str| {
+        let record = read(&ramp(84_600.0, 200, 0.001)).unwrap();
+        let growth = Growth::recorded(GrowthModel::of(&machine.0, None).unwrap(), &record, Start::At(first_s)).unwrap();
+        let of = predicted(&machine, &Part { growth: Some(growth), ..turned_over(start).unwrap() }).unwrap();
+        let temperature = of.temperature.unwrap();
+        [temperature.start_s.unwrap(), temperature.setups[0].start_s]
+    };
+    assert_eq!(starts(85_200.0, "start_at = \"00:20\""), [600.0, 3000.0]);
+    assert_eq!(starts(600.0, "start_at = \"00:20\""), [2400.0, 3000.0]);
+}
+
+/// The first program is only a place to measure from.
+#[test]
+fn a_first_set_up_may_cut_nothing() {
+    let machine = machine("[axis.X.thermal]\noffset_um_per_k = 5\n");
+    let record = read(&ramp(0.0, 200, 0.01)).unwrap();
+    let growth = Growth::recorded(GrowthModel::of(&machine.0, None).unwrap(), &record, Start::After(100.0)).unwrap();
+    let mut part = turned_over("").unwrap();
+    part.features.retain(|feature| feature.setup.is_some());
+    part.tolerances.retain(|tolerance| tolerance.feature == 2 && tolerance.datums.is_empty());
+    part.tolerances.iter_mut().for_each(|tolerance| tolerance.feature = 0);
+    part.growth = Some(growth);
+    let program = Program::parse("nothing", "G21 G90\nM2\n", "nothing.ngc").unwrap();
+    let of = predict(&machine.0, &machine.1, &program, &part, Options { trials: 200, seed: 1 }).unwrap();
+    assert_eq!(of.temperature.unwrap().setups[0].start_s, 100.0);
+}
+
 #[test]
 fn set_ups_out_of_time_are_refused() {
     let machine = machine("[axis.X.thermal]\noffset_um_per_k = 5\n");
@@ -193,7 +224,7 @@ fn set_ups_out_of_time_are_refused() {
             Growth::recorded(GrowthModel::of(&machine.0, None).unwrap(), &record, Start::After(100.0)).unwrap();
         predicted(&machine, &Part { growth: Some(growth), ..turned_over(start).unwrap() }).unwrap_err().to_string()
     };
-    let line = PART.lines().count() + 2;
+    let line = PART.lines().count() + 7;
     for (start, begins) in [("start_s = 200", "200.0"), ("start_s = 0", "0.0"), ("start_at = \"00:02\"", "120.0")] {
         let early = refused(start, 40);
         let found = format!("part.toml:{line}: found the set-up turned that starts {begins} s into the record");
@@ -209,6 +240,7 @@ fn set_ups_out_of_time_are_refused() {
         ("start_s = -1", "start_s"),
         ("start_s = 9e9", "needed 0 to 2700000 s after the first row of the record"),
         ("start_at = \"24:10\"", "start_at: found \"24:10\", needed hours and minutes"),
+        ("start_at = \"+9:+5\"", "needed hours and minutes, 00:00 to 23:59"),
         ("start_at = \"8:5\"", "needed hours and minutes, 00:00 to 23:59"),
         ("start_s = 5\nstart_at = \"08:50\"", "start_s or start_at, one of them"),
     ] {

@@ -33,6 +33,9 @@ use record::Reading;
 use std::path::PathBuf;
 use trueaxis_tables::error::FileError;
 
+/// A day, s.
+const DAY_S: f64 = 86_400.0;
+
 /// When a program starts in a record of temperatures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Start {
@@ -46,7 +49,9 @@ impl Start {
     /// Seconds since midnight of a time on the clock, `HH:MM`.
     pub fn clock(text: &str) -> Option<f64> {
         let (hours, minutes) = text.split_once(':')?;
-        let part = |digits: &str, most: u32| digits.parse::<u32>().ok().filter(|found| *found <= most);
+        let is_number = |digits: &str| digits.bytes().all(|of| of.is_ascii_digit());
+        let part =
+            |digits: &str, most: u32| digits.parse::<u32>().ok().filter(|found| is_number(digits) && *found <= most);
         let minutes = part(minutes, 59).filter(|_| minutes.len() == 2)?;
         Some(f64::from(3600 * part(hours, 23)? + 60 * minutes))
     }
@@ -124,6 +129,8 @@ impl Growth {
         let [first, last] = [record.readings.first(), record.readings.last()].map(|of| of.map_or(0.0, |of| of.t_s));
         let at = match start {
             Start::After(seconds) => first + seconds,
+            // After midnight, t_s goes on.
+            Start::At(seconds) if seconds < first && seconds + DAY_S <= last => seconds + DAY_S,
             Start::At(seconds) => seconds,
         };
         if !(first..=last).contains(&at) {

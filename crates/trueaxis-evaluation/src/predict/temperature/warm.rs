@@ -1,6 +1,6 @@
 //! The growth at every place of a part's programs.
 
-use super::{Growth, Lines, Start};
+use super::{DAY_S, Growth, Lines, Start};
 use crate::predict::Part;
 use crate::predict::times::Times;
 use anyhow::Result;
@@ -45,14 +45,19 @@ impl<'g> Warm<'g> {
             let ended = programs.last().map_or(0.0, Timed::end_s);
             let start_s = match setup.start {
                 Some(Start::After(seconds)) => seconds - record.start_s,
-                Some(Start::At(seconds)) => seconds - record.first_s - record.start_s,
+                Some(Start::At(seconds)) => {
+                    let today = seconds - record.first_s - record.start_s;
+                    let tomorrow = today + DAY_S;
+                    let is_after_midnight = today < ended - SAME_S && growth.lasts(tomorrow).is_ok();
+                    if is_after_midnight { tomorrow } else { today }
+                }
                 None => ended,
             };
             if start_s < ended - SAME_S {
                 let seconds = |after: f64| format!("{:.1} s", after + record.start_s);
                 let found = format!("the set-up {} that starts {} into the record", setup.name, seconds(start_s));
                 let needed = format!("{} or later, when {before} has ended", seconds(ended));
-                return Err(part.wrong(setup.line, found, needed).into());
+                return Err(part.wrong(setup.start_line, found, needed).into());
             }
             before = &setup.name;
             let times = Times::of(machine, part.program_of(Some(index), program), setup.at_mm)?;
