@@ -137,7 +137,7 @@ test("the servo is that of the command line, and ends where it is cancelled", as
   await panel.getByText(/^ring, program ring, machine small/).waitFor();
   await simulate.click();
   await panel.getByText(/with the servo/).waitFor();
-  const [of] = (await predict("--servo")).features;
+  const [of] = (await predict("--servo", "--exact-drives")).features;
   const row = await shows(panel, "bore, size", of);
   near(row["everything on / µm"], of.everything_um, "everything on");
   assert.match(await panel.locator("code").first().textContent(), /--servo/);

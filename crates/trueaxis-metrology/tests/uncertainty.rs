@@ -64,8 +64,7 @@ fn the_additive_model_of_the_supplement() {
     assert_ne!(Draws::new(7, 1).normal(), Draws::new(7, 0).normal());
 }
 
-/// u² = a² + b² + 2 r a b (JCGM 100:2008, 5.2.2). Of one fit with ν, ν is that of the sum; of two fits 1/ν = Σ c²/(u⁴ ν_k)
-/// with c = a² + r a b and b² + r a b. At r = 1 the uncertainties add up, of opposite parts they cancel.
+/// u² = a² + b² + 2 r a b (JCGM 100:2008, 5.2.2). Of one fit with ν, ν is that of the sum; the fewer count. At r = 1 the uncertainties add up, of opposite parts they cancel.
 #[test]
 fn correlated_contributions_by_hand() {
     let (a, b) = (3.0, -4.0);
@@ -77,9 +76,7 @@ fn correlated_contributions_by_hand() {
         let variance = a * a + b * b + 2.0 * r * a * b;
         assert!((found.matrix[0][0] - variance).abs() < 1e-9, "{r}: {found:?} for {variance}");
         assert!((found.matrix[0][2] - (a + b) * (1.0 + r)).abs() < 1e-9 && found.matrix[1][1] == 4.0, "{r}: {found:?}");
-        let [first, other] = [a * a + r * a * b, b * b + r * a * b];
-        let of_two = variance * variance / (first * first / nu[0] + other * other / nu[1]);
-        let wanted = if nu[0] == nu[1] { nu[0] } else { of_two };
+        let wanted = nu[0].min(nu[1]);
         assert!((found.degrees_of_freedom[0] / wanted - 1.0).abs() < 1e-6, "{r} {nu:?}: {found:?} for {wanted}");
         assert_eq!(found.degrees_of_freedom[1], 9.0);
     }

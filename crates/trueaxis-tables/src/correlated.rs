@@ -122,10 +122,10 @@ pub(crate) fn write(
         section.set_implicit(true);
         Item::Table(section)
     });
-    let section = section.as_table_like_mut().ok_or_else(refused)?;
-    let list = section.entry("correlation").or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
+    let section = section.as_table_mut().ok_or_else(refused)?;
+    section.entry("correlation").or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
     let refused = || origin.whole("correlation that is not a list of sections", "sections [[uncertainty.correlation]]");
-    let list = list.as_array_of_tables_mut().ok_or_else(refused)?;
+    let list = list_of(section).ok_or_else(refused)?;
     list.retain(|own| kept.iter().any(|kept| is_between(own, &kept.between)));
     for own in new {
         let mut table = Table::new();
@@ -139,12 +139,21 @@ pub(crate) fn write(
     Ok(())
 }
 
-/// Removes the coefficients of a standard uncertainty that is removed.
+/// The sections, also of a list in one line.
+fn list_of(section: &mut Table) -> Option<&mut ArrayOfTables> {
+    let list = section.get_mut("correlation")?;
+    if list.is_value() {
+        *list = std::mem::take(list).into_array_of_tables().map_or_else(|other| other, Item::ArrayOfTables);
+    }
+    list.as_array_of_tables_mut()
+}
+
+/// Removes the coefficients of a standard uncertainty, or of a section with some, that is removed.
 pub(crate) fn forget(document: &mut DocumentMut, key: &str) {
-    let section = document.get_mut("uncertainty").and_then(Item::as_table_like_mut);
-    let Some(section) = section else { return };
-    let Some(list) = section.get_mut("correlation").and_then(Item::as_array_of_tables_mut) else { return };
-    list.retain(|own| !between(own).contains(&key));
+    let Some(section) = document.get_mut("uncertainty").and_then(Item::as_table_mut) else { return };
+    let Some(list) = list_of(section) else { return };
+    let is_gone = |own: &str| own.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+    list.retain(|own| !between(own).into_iter().any(is_gone));
     if list.is_empty() {
         section.remove("correlation");
     }

@@ -150,7 +150,7 @@ fn impossible_correlations_name_their_line() {
     };
     for (entries, line, needed) in [
         (&[(x, "uncertainty.location.C0Y_um", "0.5")][..], 2, "uncertainty.location.C0Y_urad, or another of"),
-        (&[(x, "scale Y", "0.5")], 2, "one of uncertainty.location.A0Z_urad"),
+        (&[(x, "scale Y", "0.5")], 2, "one of uncertainty.location.C0Y_urad"),
         (&[(x, "axis.X.uncertainty.backlash_um", "0.5")], 2, "axis.X.uncertainty.backlash_um stated above zero"),
         (&[(x, "axis.X.uncertainty.EXX_um", "0.5")], 2, "every point of a table has its own value"),
         (&[(x, "uncertainty.misalignment_mm", "0.5")], 2, "every axis has its own value"),

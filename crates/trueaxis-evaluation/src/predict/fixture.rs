@@ -173,7 +173,9 @@ pub(super) enum Moves {
         by: f64,
     },
     /// A figure of a drive, whose effect on the axes the points have.
-    Drive,
+    Drive {
+        within: [f64; 2],
+    },
 }
 
 /// The quantities of set-ups and tools, each with its term.

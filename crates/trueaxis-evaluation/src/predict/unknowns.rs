@@ -90,6 +90,11 @@ impl Model<'_> {
         let mut draws = Draws::new(seed, number);
         let mut drawn =
             Drawn { values: values(self.terms, &mut draws), approaches: vec![Vec::new(); self.terms.all.len()] };
+        for (term, of) in self.part_terms().zip(self.moves) {
+            if let Moves::Drive { within: [low, high] } = of {
+                drawn.values[term].iter_mut().for_each(|z| *z = z.clamp(*low, *high));
+            }
+        }
         for term in (0..self.terms.all.len()).filter(|term| self.is_approach(*term)) {
             drawn.values[term] = vec![0.0];
             let spread = draws.spread(self.terms.all[term].degrees_of_freedom);
@@ -169,7 +174,7 @@ impl Model<'_> {
         let geometry = Geometry::new(&machine, 0.0).map_err(|error| anyhow!("{error}"))?;
         let measured = part_length(self.part.temperature.part.as_ref(), self.terms, &drawn.values);
         let held: Vec<f64> = self.held(drawn);
-        let of_drives = self.moves.iter().zip(&held).filter(|(of, _)| matches!(of, Moves::Drive));
+        let of_drives = self.moves.iter().zip(&held).filter(|(of, _)| matches!(of, Moves::Drive { .. }));
         let drives: Vec<f64> = of_drives.map(|(_, z)| *z).collect();
         let of_feature = |(feature, (cut, nominal)): (usize, (&Cut, &Nominal))| {
             let scattered = self.approach(drawn, feature);

@@ -21,6 +21,10 @@ impl Terms {
             Some(([place(one)?, place(other)?], own.coefficient))
         };
         let pairs: Vec<Pair> = stated.iter().filter_map(pair).collect();
+        self.warnings.extend(stated.iter().filter(|own| pair(own).is_none()).map(|own| {
+            let [one, other] = &own.between;
+            format!("the correlation of {one} and {other} has no effect here: one of them has none")
+        }));
         let terms = correlations(&pairs, self.all.iter());
         for group in terms.groups() {
             let names: Vec<&str> = group.iter().map(|term| self.all[*term].name.as_str()).collect();

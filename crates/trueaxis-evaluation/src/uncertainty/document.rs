@@ -186,7 +186,7 @@ pub(super) fn shares(terms: &Terms, volume: &[Vec<Contribution>], worst: &[Contr
             worst_um: 1e3 * worst.variance().sqrt(),
         })
         .collect();
-    trueaxis_metrology::order::sort_by_number(&mut shares, |one| -one.share);
+    trueaxis_metrology::order::sort_by_number(&mut shares, |one| -one.share.abs());
     shares
 }
 

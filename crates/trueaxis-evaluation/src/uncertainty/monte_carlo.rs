@@ -89,7 +89,7 @@ pub(crate) fn values(terms: &Terms, draws: &mut Draws) -> Vec<Vec<f64>> {
         let independent: Vec<f64> = values.iter().map(|values| values.first().copied().unwrap_or(0.0)).collect();
         let mixed = correlations.mixed(&independent);
         correlations.groups().flatten().for_each(|term| values[*term] = vec![mixed[*term]]);
-        spreads = (0..spreads.len()).map(|term| spreads[correlations.first(term)]).collect();
+        spreads = (0..spreads.len()).map(|term| spreads[correlations.fewest(term)]).collect();
     }
     values.iter_mut().zip(spreads).for_each(|(values, spread)| values.iter_mut().for_each(|value| *value *= spread));
     values

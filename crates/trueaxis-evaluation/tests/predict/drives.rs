@@ -155,3 +155,16 @@ fn a_gain_that_is_hardly_known_is_refused() {
     let needed = "small: key axis.X.drive.uncertainty.position_gain_per_s: found 20, needed at most 30 % of 60";
     assert!(refused.starts_with(needed), "{refused}");
 }
+
+/// No drive has more feed-forward than the whole. K_v = 60, k = 0.99: R (ω/K_v)² k Δk in the diameter for each axis.
+#[test]
+fn no_draw_is_beyond_what_a_drive_can_have() {
+    let own = "velocity_feed_forward = 0.99\n[axis.AXIS.drive.uncertainty]\nvelocity_feed_forward = 0.01\n\
+               degrees_of_freedom = 1\n";
+    let of = driven(&with(&drive(own), "", SHORT), RATE_HZ).unwrap();
+    let (size, one) = (&of.features[0], 1e3 * RADIUS * (SPEED / RADIUS / GAIN).powi(2) * 0.99 * 0.01);
+    let (value, interval) = (size.everything_um.unwrap(), size.known.as_ref().unwrap().interval_um);
+    // The scale of X, 0.15 µm, is in it too.
+    assert!(interval.high - value < 2.0 * one + 0.4, "{interval:?}, {value}, {one}");
+    assert!(value - interval.low > 5.0 * one, "{interval:?}, {value}, {one}");
+}

@@ -53,7 +53,7 @@ impl Covariance {
                     *cell += a * of[k];
                 }
             }
-            let sum = &mut parts[correlations.first(k)];
+            let sum = &mut parts[correlations.fewest(k)];
             sum.iter_mut().zip(one.vector).zip(&common).for_each(|((sum, a), of)| *sum += a * of[k]);
         }
         let (mut fourth, mut fourth_of_all) = ([0.0; 3], 0.0);

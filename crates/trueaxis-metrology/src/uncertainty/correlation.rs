@@ -13,17 +13,17 @@ pub type Pair = ([usize; 2], f64);
 ///
 /// ```text
 /// z = F n                R = F Fᵀ, F = V √Λ Vᵀ of R = V Λ Vᵀ: also if R is singular       n independent, of unit variance
-/// x_i = z_i √(ν/χ²)      one χ² for all of a group that have the same ν
+/// x_i = z_i √(ν/χ²)      one χ²_ν for all of a group; ν: the fewest degrees of freedom in it
 /// ```
 ///
-/// Quantities of a group with the same degrees of freedom were found by one fit, and its residuals gave all their standard
-/// uncertainties: their distribution is the multivariate t (JCGM 102:2011, 5.3.2), with one draw of χ²_ν. Those with other
-/// degrees of freedom get draws of their own, which leaves each quantity the distribution that it has alone.
+/// Quantities of a group were found by one fit, and its residuals gave all their standard uncertainties: their distribution is
+/// the multivariate t (JCGM 102:2011, 5.3.2), with one draw of χ²_ν. Where they state different degrees of freedom, all get the
+/// fewest: independent draws would make a difference that the coefficient cancels uncertain again.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Correlations {
     groups: Vec<Group>,
-    /// For every quantity the first of its group with the same degrees of freedom.
-    first: Vec<usize>,
+    /// For every quantity the one of its group with the fewest degrees of freedom.
+    fewest: Vec<usize>,
 }
 
 /// Quantities that are connected by coefficients.
@@ -54,16 +54,16 @@ impl Correlations {
     /// # Panics
     /// A pair beyond the quantities.
     pub fn new(pairs: &[Pair], degrees_of_freedom: &[f64]) -> Result<Correlations, Impossible> {
-        let mut first: Vec<usize> = (0..degrees_of_freedom.len()).collect();
+        let mut fewest: Vec<usize> = (0..degrees_of_freedom.len()).collect();
         let groups = connected(pairs, degrees_of_freedom.len()).into_iter().map(|members| {
-            for (k, member) in members.iter().enumerate() {
-                let alike = |own: &&usize| degrees_of_freedom[**own] == degrees_of_freedom[*member];
-                first[*member] = members[..k].iter().find(alike).copied().unwrap_or(*member);
-            }
+            let by_freedom =
+                |one: &&usize, other: &&usize| degrees_of_freedom[**one].total_cmp(&degrees_of_freedom[**other]);
+            let least = members.iter().min_by(by_freedom).copied();
+            members.iter().for_each(|member| fewest[*member] = least.unwrap_or(*member));
             Group::new(members, pairs)
         });
         let groups = groups.collect::<Result<_, _>>()?;
-        Ok(Correlations { groups, first })
+        Ok(Correlations { groups, fewest })
     }
 
     /// Whether all quantities are independent.
@@ -76,9 +76,9 @@ impl Correlations {
         self.groups.iter().map(|group| group.members.as_slice())
     }
 
-    /// The quantity whose draw of χ² this one has.
-    pub fn first(&self, quantity: usize) -> usize {
-        self.first.get(quantity).copied().unwrap_or(quantity)
+    /// The quantity whose draw of χ², and whose degrees of freedom, this one has.
+    pub fn fewest(&self, quantity: usize) -> usize {
+        self.fewest.get(quantity).copied().unwrap_or(quantity)
     }
 
     /// R d: each part plus what is common with the others.
@@ -191,10 +191,10 @@ mod tests {
     }
 
     #[test]
-    fn one_draw_of_chi_squared_for_equal_degrees_of_freedom_of_a_group() {
+    fn a_group_has_the_fewest_degrees_of_freedom_in_it() {
         let degrees = [8.0, 8.0, 5.0, 8.0, 8.0];
         let found = Correlations::new(&[([1, 3], 0.5), ([3, 2], 0.5)], &degrees).unwrap();
-        assert_eq!([0, 1, 2, 3, 4].map(|k| found.first(k)), [0, 1, 2, 1, 4]);
+        assert_eq!([0, 1, 2, 3, 4].map(|k| found.fewest(k)), [0, 2, 2, 2, 4]);
     }
 
     #[test]

@@ -88,8 +88,13 @@ fn refused(key: &str, figures: &[(String, Option<f64>)]) -> String {
         "device_um" | "eve_um" => "every point of a table has its own value",
         "misalignment_mm" => "every axis has its own value",
         "sensor_k" => "every sensor has its own value",
+        "expansion_um_per_m_k" => "every use has its own value",
+        _ if section.ends_with(".drive.uncertainty") || section.ends_with(".friction.uncertainty") => {
+            "figures of the drives are independent"
+        }
         _ => "",
     };
-    let all = one_of(key, figures.iter().map(|(own, _)| own.as_str()), ", ");
-    if why.is_empty() { all } else { format!("a single number, in place of {key}, of which {why}: {all}") }
+    let known = figures.iter().filter(|(_, u)| u.is_some_and(|u| u > 0.0)).map(|(own, _)| own.as_str());
+    let all = one_of(key, known, ", ");
+    if why.is_empty() { all } else { format!("{all}; not {key}: {why}") }
 }

@@ -40,7 +40,10 @@ pub(super) fn corrected(predicted: &PredictDocument, prior: &Prior<'_>, program:
         let enough: Vec<&str> = enough.map(|(name, _)| *name).collect();
         let enough = match (parts.is_empty(), enough.is_empty()) {
             (true, _) => String::new(),
-            (_, true) => "; no part of it does that by itself".into(),
+            (_, true) => {
+                let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
+                format!("; none of these does that by itself: {}", names.join(", "))
+            }
             _ => format!("; by itself does that: {}", enough.join(", ")),
         };
         let alone = "with the correction of the geometry alone";

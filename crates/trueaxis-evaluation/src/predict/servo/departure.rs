@@ -19,7 +19,7 @@ pub(in crate::predict) fn departure(
     let of_drives: Vec<usize> = model
         .part_terms()
         .zip(model.moves)
-        .filter(|(_, of)| matches!(of, Moves::Drive))
+        .filter(|(_, of)| matches!(of, Moves::Drive { .. }))
         .map(|(term, _)| term)
         .collect();
     let mut squares = vec![0.0; outcomes.len()];
@@ -43,9 +43,12 @@ pub(in crate::predict) fn departure(
         }
         count += 1;
     }
+    if count == 0 {
+        return Ok((Vec::new(), drawn.len()));
+    }
     let share = |(squares, of): (&f64, &Outcome)| {
         let scatter = of.standard_deviation();
-        if count > 0 && scatter > 0.0 { (squares / f64::from(count)).sqrt() / scatter } else { 0.0 }
+        if scatter > 0.0 { (squares / f64::from(count)).sqrt() / scatter } else { 0.0 }
     };
     Ok((squares.iter().zip(outcomes).map(share).collect(), drawn.len() - count as usize))
 }

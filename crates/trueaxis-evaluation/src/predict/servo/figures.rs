@@ -13,8 +13,11 @@ use trueaxis_tables::uncertainty::{Figure, Uncertainties};
 const MOVES: f64 = 1e-3;
 /// Largest standard uncertainty of a gain or of a reset time as a share of it: the loops stay loops.
 const MOST: f64 = 0.3;
-/// Least gain or reset time of a drawn plant, as a share of the stated one.
+/// Least figure of a drawn plant as a share of the stated one; the largest is as many times it.
 const LEAST: f64 = 0.2;
+
+/// Beyond what any draw is off, in standard uncertainties.
+const FARTHEST: f64 = 1e9;
 
 /// A figure of an axis and its standard uncertainty.
 #[derive(Clone, Copy, Debug)]
@@ -105,6 +108,11 @@ impl Uncertain {
         format!("{} of {}", self.figure.name(), self.axis.letter())
     }
 
+    /// How far it can be off, in standard uncertainties.
+    pub(super) fn within(&self, machine: &MachineSettings) -> [f64; 2] {
+        [-FARTHEST, FARTHEST].map(|z| self.shift(&mut machine.clone(), z))
+    }
+
     /// Puts the figure so many standard uncertainties beside the stated one, as far as a drive can have it. What it is then
     /// off, in standard uncertainties.
     fn shift(&self, machine: &mut MachineSettings, z: f64) -> f64 {
@@ -114,7 +122,7 @@ impl Uncertain {
         let [least, most] = match self.figure {
             Figure::VelocityFeedForward => [0.0, 1.0],
             figure if is_positive(figure) || matches!(figure, Figure::Presliding | Figure::StribeckVelocity) => {
-                [LEAST * stated, f64::INFINITY]
+                [LEAST * stated, stated / LEAST]
             }
             _ => [0.0, f64::INFINITY],
         };
@@ -177,6 +185,6 @@ impl Plant {
     pub(super) fn drawn(machine: &MachineSettings, figures: &[Uncertain], seed: u64, number: u64) -> Plant {
         let mut draws = Draws::new(seed, number);
         let z: Vec<f64> = figures.iter().map(|of| draws.student(of.degrees_of_freedom)).collect();
-        Plant { off: z.clone(), ..Plant::of(machine, figures, &z) }
+        Plant::of(machine, figures, &z)
     }
 }

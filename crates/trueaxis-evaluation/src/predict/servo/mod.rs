@@ -71,6 +71,8 @@ pub struct ServoDocument {
 pub(super) struct Kept {
     pub(super) cuts: Arc<Vec<Cut>>,
     pub(super) terms: Arc<Vec<Term>>,
+    /// How far the figure of each term can be off, in standard uncertainties.
+    within: Arc<Vec<[f64; 2]>>,
 }
 
 impl std::fmt::Debug for Kept {
@@ -82,7 +84,7 @@ impl std::fmt::Debug for Kept {
 impl Kept {
     /// What the terms move: each a figure, in their order.
     pub(super) fn moves(&self) -> impl Iterator<Item = Moves> + '_ {
-        self.terms.iter().map(|_| Moves::Drive)
+        self.within.iter().map(|within| Moves::Drive { within: *within })
     }
 }
 
@@ -134,7 +136,7 @@ pub(super) fn follow(
     let has_dynamics = Kind::of(&machine.settings).len() > Kind::BASIC.len();
     let mut kinds = vec![Kind::Uncompensated, Kind::Compensated];
     kinds.extend(has_dynamics.then_some(Kind::Configured));
-    let stated = drives(&machine.settings, ran.program.is_five_axis())?;
+    let stated = drives(&machine.settings, ran.is_five_axis())?;
     let (figures, not_stated) = match known {
         Some(known) => uncertain(&machine.settings, known, ran.cuts)?,
         None => Default::default(),
@@ -180,7 +182,11 @@ pub(super) fn follow(
         plants: plants.len(),
         figures: figures.iter().map(Uncertain::name).collect(),
         departure: None,
-        kept: Kept { cuts: Arc::new(cuts.clone()), terms: Arc::new(figures.iter().map(term).collect()) },
+        kept: Kept {
+            cuts: Arc::new(cuts.clone()),
+            terms: Arc::new(figures.iter().map(term).collect()),
+            within: Arc::new(figures.iter().map(|of| of.within(&machine.settings)).collect()),
+        },
     };
     Ok((Run { document, drawn, not_stated }, cuts))
 }

@@ -18,7 +18,7 @@ pub(in crate::predict) struct Alone {
 /// # Errors
 /// A machine or program that the simulator refuses.
 pub(in crate::predict) fn alone(machine: &Machine, ran: &Ran<'_>) -> Result<Vec<Alone>> {
-    let drives = drives(&machine.settings, ran.program.is_five_axis())?;
+    let drives = drives(&machine.settings, ran.is_five_axis())?;
     let parts = [
         ("friction", of_part(machine, true, false, false)),
         ("lag and acceleration", of_part(machine, false, true, false)),

@@ -78,6 +78,12 @@ struct OfSetup {
 }
 
 impl Ran<'_> {
+    /// Whether a program of the part turns rotary axes.
+    pub(super) fn is_five_axis(&self) -> bool {
+        let further = self.part.setups.iter().filter_map(|setup| setup.program.as_ref());
+        std::iter::once(self.program).chain(further).any(Program::is_five_axis)
+    }
+
     /// Runs the features on all machines. `on_progress` gets the cycles done and all cycles.
     ///
     /// # Errors
