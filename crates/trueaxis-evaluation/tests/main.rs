@@ -1,5 +1,7 @@
 //! The evaluations, compared with independent values.
 
+#[cfg(feature = "simulated")]
+mod angular;
 mod covariance;
 mod coverage;
 mod diagonal;

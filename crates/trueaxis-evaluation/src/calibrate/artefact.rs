@@ -230,6 +230,7 @@ fn read_place(section: Section<'_>, kind: &Kind) -> Result<Place, FileError> {
         base: false,
         turn: 0,
         rotary_deg: vec![[0.0; 3]],
+        stylus_mm: number(&section, "stylus_mm", [1.0, 2000.0], " mm")?,
         line,
     };
     if !matches!(kind, Kind::Ball { .. }) {

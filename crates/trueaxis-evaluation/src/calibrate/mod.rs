@@ -6,6 +6,7 @@
 //!
 //! The mathematics is [`trueaxis_metrology::calibration`].
 
+mod angles;
 mod artefact;
 mod block;
 mod dial;
@@ -29,6 +30,7 @@ mod sheet;
 mod shown;
 mod solve;
 mod source;
+pub(crate) mod stylus;
 mod target;
 mod task;
 mod terms;

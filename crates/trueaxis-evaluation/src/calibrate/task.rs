@@ -9,6 +9,8 @@ use trueaxis_tables::{Section, read_toml};
 
 /// Standard uncertainty of a tip that no touch determines, mm.
 const TIP_MM: f64 = 0.01;
+/// Standard deviation of a coefficient of an angular error, rad, unless the task states it.
+const ANGLE_RANGE: f64 = 20e-6;
 /// Degree of curves that have every shape that a plate shows.
 const ALL: usize = u8::MAX as usize;
 
@@ -85,11 +87,24 @@ pub struct Wanted {
     pub positioning: usize,
     /// Degree of the polynomials for straightness; 1 means none.
     pub straightness: usize,
+    /// Degree of the polynomials for roll, pitch and yaw of the linear axes; 0 means none.
+    pub angle: usize,
+    /// Standard deviation of each coefficient of these polynomials before anything is measured, rad.
+    pub angle_range: f64,
 }
 
 impl Default for Wanted {
     fn default() -> Wanted {
-        Wanted { squareness: true, scale: true, backlash: true, rotary: true, positioning: 1, straightness: 1 }
+        Wanted {
+            squareness: true,
+            scale: true,
+            backlash: true,
+            rotary: true,
+            positioning: 1,
+            straightness: 1,
+            angle: 0,
+            angle_range: ANGLE_RANGE,
+        }
     }
 }
 
@@ -170,6 +185,7 @@ impl Task {
                 task.wanted = read_wanted(section, &task)?;
             }
             few_points(&root, &task)?;
+            styli_hold(&root, &task)?;
             root.finish(None)?;
             Ok(task)
         })
@@ -322,6 +338,18 @@ fn few_points(root: &Section<'_>, task: &Task) -> Result<(), FileError> {
     Ok(())
 }
 
+/// Refuses styli of stated lengths on a corrected machine: the control's tables know one tool.
+fn styli_hold(root: &Section<'_>, task: &Task) -> Result<(), FileError> {
+    let mut places = task.artefacts.iter().flat_map(|artefact| &artefact.places);
+    match places.find(|place| place.stylus_mm.is_some()) {
+        Some(place) if task.compensated => {
+            let needed = "compensated = false with stylus_mm: the correction would need the length of each stylus";
+            Err(root.at(place.line, "artefact.place.stylus_mm", "a stylus on a compensated machine", needed))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn read_wanted(section: Section<'_>, task: &Task) -> Result<Wanted, FileError> {
     let default = task.wanted;
     if task.plate().is_some() && !default.backlash && section.boolean("backlash")? == Some(true) {
@@ -333,7 +361,15 @@ fn read_wanted(section: Section<'_>, task: &Task) -> Result<Wanted, FileError> {
             return Err(section.at(section.first_line(), key, "true", "false: no reading of a dial shows it"));
         }
     }
+    let angle = whole(&section, "angular_degree", [0, 8])?;
+    if angle.is_some_and(|degree| degree > 0) && (task.is_read() || task.plate().is_some()) {
+        let needed = "0: roll, pitch and yaw are determined by touches on certified artefacts";
+        return Err(section.at(section.first_line(), "angular_degree", &angle.unwrap_or(0).to_string(), needed));
+    }
+    let range = number(&section, "angular_range_urad", [0.01, 1e4], " urad")?.map(|urad| 1e-6 * urad);
     let wanted = Wanted {
+        angle: angle.unwrap_or(default.angle),
+        angle_range: range.unwrap_or(default.angle_range),
         squareness: section.boolean("squareness")?.unwrap_or(default.squareness),
         scale: section.boolean("scale")?.unwrap_or(default.scale),
         backlash: section.boolean("backlash")?.unwrap_or(default.backlash),

@@ -25,12 +25,14 @@
 //! Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 5.3 and 6.1; ISO 230-1:2012 for the terms.
 
 mod ball;
+mod information;
 mod least_squares;
 mod network;
 mod selection;
 mod surface;
 
 pub use ball::{BallFit, fit_ball};
+pub use information::Information;
 pub use network::{Network, Shown, Solution, Unknown};
 pub use selection::Selection;
 pub use surface::{Centre, Part, Surface, Touch};
