@@ -170,11 +170,11 @@ fn angles_of_dials_and_corrected_machines_are_refused() {
     let corrected = format!("compensated = true\n{HEAD}{place}");
     let found = refused(&corrected);
     assert!(
-        found.starts_with("task.toml:19: artefact.place.stylus_mm") && found.contains("compensated = false"),
+        found.starts_with("task.toml:20: key artefact.place.stylus_mm") && found.contains("compensated = false"),
         "{found}"
     );
     let dial = "machine = \"mill\"\n[indicator]\nrepeatability_um = 1.0\n[[dial]]\nname = \"bar\"\nkind = \"tram\"\n\
-                at_mm = [150.0, 200.0, -280.0]\nradius_mm = 100.0\nsweep_mm = 200.0\n[solve]\nangular_degree = 1\n";
+                at_mm = [150.0, 200.0, -280.0]\nradius_mm = 100.0\nsweep_mm = [200.0, 200.0]\n[solve]\nangular_degree = 1\n";
     let found = refused(dial);
     assert!(found.contains("angular_degree") && found.contains("certified artefacts"), "{found}");
 }

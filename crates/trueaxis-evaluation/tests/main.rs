@@ -7,6 +7,8 @@ mod coverage;
 mod diagonal;
 mod field;
 mod helicoid;
+#[cfg(feature = "simulated")]
+mod hour;
 mod plane;
 mod points;
 #[cfg(feature = "simulated")]

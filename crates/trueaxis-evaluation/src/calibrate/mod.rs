@@ -9,6 +9,7 @@
 mod angles;
 mod artefact;
 mod block;
+mod chosen;
 mod dial;
 mod document;
 mod faces;
@@ -37,9 +38,11 @@ mod terms;
 mod touches;
 mod trips;
 mod unseen;
+mod wishes;
 
 pub use artefact::{Artefact, Kind};
 pub use block::{ANGLES, Block, directions};
+pub use chosen::{Choice, Chosen, ChosenDocument, chosen};
 pub use dial::{Dial, DialKind, Reading};
 pub use document::{CalibrationDocument, Drift, Size, SolvedTerm};
 pub use figures::{Residuals, residuals};
@@ -57,3 +60,4 @@ pub use solve::{Calibration, calibrate, settle, solved};
 pub use task::{Dialect, Probe, Reference, Task, Wanted};
 pub use terms::{Pose, Term, Terms, perfect};
 pub use trips::trips;
+pub use wishes::Wishes;

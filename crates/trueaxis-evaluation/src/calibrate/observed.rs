@@ -341,7 +341,7 @@ impl Artefacts {
             Kind::Ring { diameter_mm, .. } | Kind::Ball { diameter_mm } => {
                 vec![names.put(format!("diameter of {name}"), *diameter_mm, uncertainty)]
             }
-            Kind::Plate { diameter_mm, balls_mm } => {
+            Kind::Plate { diameter_mm, balls_mm, .. } => {
                 let size = names.put(format!("diameter of the balls of {name}"), *diameter_mm, uncertainty);
                 own = names.names.len()..names.names.len() + 3 * balls_mm.len();
                 for ball in 1..=balls_mm.len() {

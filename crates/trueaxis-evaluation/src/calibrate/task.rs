@@ -3,6 +3,7 @@
 use super::artefact::{Artefact, Kind, read_artefact, read_dial, read_plate};
 use super::dial::DialKind;
 use super::ranges::{needed, number, whole};
+use super::wishes::{Wishes, read_wishes};
 use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::{Section, read_toml};
@@ -127,6 +128,8 @@ pub struct Task {
     pub reference: Option<Reference>,
     /// Terms to determine.
     pub wanted: Wanted,
+    /// What placements may be chosen from.
+    pub wishes: Wishes,
 }
 
 /// The words for one observation and for several.
@@ -160,11 +163,23 @@ impl Task {
     /// # Errors
     /// Invalid TOML, unknown keys or values out of their range, with the line.
     pub fn read(text: &str, file: &Path) -> Result<Task, FileError> {
+        Task::read_whole(text, file, false)
+    }
+
+    /// Reads a task whose artefacts may lack their places, to be chosen.
+    ///
+    /// # Errors
+    /// As [`Task::read`].
+    pub fn read_open(text: &str, file: &Path) -> Result<Task, FileError> {
+        Task::read_whole(text, file, true)
+    }
+
+    fn read_whole(text: &str, file: &Path, is_open: bool) -> Result<Task, FileError> {
         read_toml(text.strip_prefix('\u{feff}').unwrap_or(text), file, |root| {
             let dials = root.sections("dial")?;
             let plates = root.sections("plate")?;
             let mut task = match (dials.is_empty(), plates.is_empty()) {
-                (true, true) => Task::of_probing(&root, file)?,
+                (true, true) => Task::probing(&root, file, [false, is_open])?,
                 (true, false) => Task::of_plate(&root, plates, file)?,
                 (false, true) => Task::of_dials(&root, dials, file)?,
                 (false, false) => {
@@ -180,6 +195,9 @@ impl Task {
             task.compensated = root.boolean("compensated")?.unwrap_or(false);
             if let Some(section) = root.section("reference")? {
                 task.reference = Some(read_reference(section, &task.artefacts)?);
+            }
+            if let Some(section) = root.section("plan")? {
+                task.wishes = read_wishes(section)?;
             }
             if let Some(section) = root.section("solve")? {
                 task.wanted = read_wanted(section, &task)?;
@@ -223,6 +241,7 @@ impl Task {
             },
             artefacts,
             reference: None,
+            wishes: Wishes::default(),
             wanted: Wanted { straightness: 3, scale: false, backlash: false, rotary: false, ..Wanted::default() },
         })
     }
@@ -232,12 +251,12 @@ impl Task {
     /// # Errors
     /// As [`Task::read`].
     pub(crate) fn of_probing(root: &Section<'_>, file: &Path) -> Result<Task, FileError> {
-        Task::probing(root, file, false)
+        Task::probing(root, file, [false; 2])
     }
 
     /// Reads a task with a plate of unknown places, beside which there are only balls, for the drift.
     fn of_plate(root: &Section<'_>, plates: Vec<Section<'_>>, file: &Path) -> Result<Task, FileError> {
-        let mut task = Task::probing(root, file, true)?;
+        let mut task = Task::probing(root, file, [true, false])?;
         if let Some(other) = task.artefacts.iter().find(|of| !matches!(of.kind, Kind::Ball { .. })) {
             let needed = "only balls beside a plate of unknown places; certified artefacts in another task";
             return Err(root.at(other.line, "artefact.kind", &other.name, needed));
@@ -257,7 +276,8 @@ impl Task {
         Ok(task)
     }
 
-    fn probing(root: &Section<'_>, file: &Path, beside: bool) -> Result<Task, FileError> {
+    /// `beside`: whether there may be no artefact; `is_open`: whether an artefact may have no place.
+    fn probing(root: &Section<'_>, file: &Path, [beside, is_open]: [bool; 2]) -> Result<Task, FileError> {
         let machine = root.string("machine")?.ok_or_else(|| root.missing("machine", "the machine's folder"))?;
         let words = [("linuxcnc", Dialect::LinuxCnc), ("grblhal", Dialect::GrblHal), ("klipper", Dialect::Klipper)];
         let dialect = root.choice("dialect", words)?;
@@ -269,7 +289,7 @@ impl Task {
             return Err(root.missing("artefact", "at least one section [[artefact]]"));
         }
         let artefacts = artefacts.into_iter().try_fold(Vec::new(), |mut before, section| {
-            before.push(read_artefact(section, &before)?);
+            before.push(read_artefact(section, &before, is_open)?);
             Ok(before)
         })?;
         Ok(Task {
@@ -280,6 +300,7 @@ impl Task {
             probe,
             artefacts,
             reference: None,
+            wishes: Wishes::default(),
             wanted: Wanted::default(),
         })
     }

@@ -51,7 +51,7 @@ pub(super) fn of_place(task: &Task, ideal: &Ideal, of: &Artefact, at: &Place, ch
             }
             targets
         }
-        Kind::Plate { diameter_mm, balls_mm } => {
+        Kind::Plate { diameter_mm, balls_mm, few } => {
             let [first, second] = across(at.normal);
             let normal = unit(at.normal);
             let mut targets = Vec::new();
@@ -60,7 +60,7 @@ pub(super) fn of_place(task: &Task, ideal: &Ideal, of: &Artefact, at: &Place, ch
                 let stem = normal.map(|part| -part);
                 let ball =
                     BallAt { feature, centre, stem, tool: normal, pose: [0.0; 3], reach: 0.5 * diameter_mm + radius };
-                targets.extend(ball.targets(task, false, backlash && feature == 0));
+                targets.extend(ball.targets(task, *few, backlash && feature == 0));
             }
             targets
         }

@@ -45,7 +45,8 @@ impl Information {
     /// derivatives with respect to the first quantities; infinite if a combination is unknown. Cost: one inverse.
     pub fn variance(&self, gram: &[Vec<f64>]) -> f64 {
         let Some(inverse) = self.0.clone().cholesky().map(|factor| factor.inverse()) else { return f64::INFINITY };
-        let of_row = |(i, row): (usize, &Vec<f64>)| row.iter().enumerate().map(|(j, g)| g * inverse[(i, j)]).sum::<f64>();
+        let of_row =
+            |(i, row): (usize, &Vec<f64>)| row.iter().enumerate().map(|(j, g)| g * inverse[(i, j)]).sum::<f64>();
         gram.iter().enumerate().map(of_row).sum()
     }
 }
@@ -59,7 +60,7 @@ impl Network {
         let mut column = Vec::from([0; 0]);
         column.resize(start.len(), 0);
         keep.iter().chain(&others).enumerate().for_each(|(at, index)| column[*index] = at);
-        let mut design = DMatrix::zeros(self.touches.len(), start.len());
+        let mut design: DMatrix<f64> = DMatrix::zeros(self.touches.len(), start.len());
         for (index, touch) in self.touches.iter().enumerate() {
             for (unknown, derivative) in touch.row(&start, self.tip).derivatives {
                 design[(index, column[unknown])] += derivative / self.repeatability_mm;

@@ -117,7 +117,7 @@ impl Real {
         match &artefact.kind {
             Kind::Ring { diameter_mm, .. } => Real::Ring { diameter: diameter_mm + off * normal() },
             Kind::Ball { diameter_mm } => Real::Ball { diameter: diameter_mm + off * normal() },
-            Kind::Plate { diameter_mm, balls_mm } => Real::Plate {
+            Kind::Plate { diameter_mm, balls_mm, .. } => Real::Plate {
                 diameter: diameter_mm + off * normal(),
                 centres: balls_mm
                     .iter()
