@@ -108,7 +108,7 @@ fn machine_of(nominal: &Machine, terms: &[Term], values: &[f64], reach: [[f64; 2
 }
 
 /// The terms that were drawn, and what was found of them.
-fn rehearsed(task: &Task, seed: u64) -> (Vec<f64>, Calibration) {
+pub(crate) fn rehearsed(task: &Task, seed: u64) -> (Vec<f64>, Calibration) {
     let nominal = perfect(&random_machine(seed, &Class::MILL));
     let plan = Plan::new(task, &nominal).unwrap_or_else(|error| panic!("{error:#}"));
     let terms = foresee(task, &nominal, &plan).unwrap_or_else(|error| panic!("{error:#}")).observed.terms.terms;

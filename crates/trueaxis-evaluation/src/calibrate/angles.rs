@@ -2,6 +2,7 @@
 
 use super::solve::Calibration;
 use super::task::Task;
+use super::terms::Term;
 use trueaxis::machine::Axis;
 use trueaxis_tables::text::counted;
 
@@ -34,10 +35,8 @@ impl Calibration {
         if unseen.is_empty() {
             return None;
         }
-        let name = |(axis, component): &(Axis, u8)| {
-            format!("E{}{}", Axis::ALL[usize::from(*component) % Axis::ALL.len()].letter(), axis.letter())
-        };
-        let names: Vec<String> = unseen.iter().map(name).collect();
+        let name = |&(axis, component): &(Axis, u8)| Term::Curve { axis, component, degree: 1 }.curve_name();
+        let names: Vec<String> = unseen.iter().filter_map(name).collect();
         let lengths = task.stylus_lengths().len();
         let lacks = if lengths < 2 && unseen.iter().any(|(_, component)| *component < 5) {
             "; a second length of the stylus (stylus_mm) would separate turns about X and Y from straightness"

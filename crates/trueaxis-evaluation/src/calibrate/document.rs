@@ -202,10 +202,14 @@ impl Calibration {
         for (index, unknown) in self.observed.network.unknowns.iter().enumerate() {
             let away = solution.values[index] - unknown.start;
             if let Some(stated) = unknown.uncertainty.filter(|stated| away.abs() > PULLED * stated) {
-                let (factor, unit) = match index {
-                    _ if index < terms.terms.len() || self.observed.angles.contains(&index) => (1e6, "µrad"),
-                    _ if self.observed.lengths.contains(&Some(index)) => (1e6, "ppm"),
-                    _ => (1e3, "µm"),
+                let (factor, unit) = match terms.terms.get(index) {
+                    Some(term) => {
+                        let (unit, factor) = term.unit();
+                        (factor, unit)
+                    }
+                    None if self.observed.angles.contains(&index) => (1e6, "µrad"),
+                    None if self.observed.lengths.contains(&Some(index)) => (1e6, "ppm"),
+                    None => (1e3, "µm"),
                 };
                 let name = &self.observed.names[index];
                 warnings.push(format!(

@@ -170,7 +170,7 @@ pub fn observe_terms(
 
     let mut names = Names { unknowns: Vec::new(), names: Vec::new() };
     for term in &terms.terms {
-        names.put(term.name(), 0.0, term.is_angle().then_some(task.wanted.angle_range));
+        names.put(term.name(), 0.0, term.range(&task.wanted));
     }
     let radius = task.probe.tip_radius_mm - task.probe.pre_travel_mm;
     let tip = names.put("radius of the tip".into(), radius, task.probe.tip_uncertainty_mm);

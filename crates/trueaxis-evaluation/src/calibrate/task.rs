@@ -92,6 +92,8 @@ pub struct Wanted {
     pub angle: usize,
     /// Standard deviation of each coefficient of these polynomials before anything is measured, rad.
     pub angle_range: f64,
+    /// The same of the polynomials of positioning and straightness from the second degree on, mm; `None`: they are free.
+    pub curve_range: Option<f64>,
 }
 
 impl Default for Wanted {
@@ -105,6 +107,7 @@ impl Default for Wanted {
             straightness: 1,
             angle: 0,
             angle_range: ANGLE_RANGE,
+            curve_range: None,
         }
     }
 }
@@ -391,6 +394,7 @@ fn read_wanted(section: Section<'_>, task: &Task) -> Result<Wanted, FileError> {
     let wanted = Wanted {
         angle: angle.unwrap_or(default.angle),
         angle_range: range.unwrap_or(default.angle_range),
+        curve_range: number(&section, "curve_range_um", [0.01, 1e4], " um")?.map(|um| 1e-3 * um),
         squareness: section.boolean("squareness")?.unwrap_or(default.squareness),
         scale: section.boolean("scale")?.unwrap_or(default.scale),
         backlash: section.boolean("backlash")?.unwrap_or(default.backlash),

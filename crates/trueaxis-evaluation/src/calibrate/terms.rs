@@ -4,7 +4,7 @@ use super::artefact::Kind;
 use super::block::directions;
 use super::dial::{Dial, DialKind, normal};
 use super::shapes;
-use super::task::Task;
+use super::task::{Task, Wanted};
 use trueaxis::machine::{AXES, Axis, Row, Twist};
 use trueaxis_tables::exact::{Geometry, GeometryError};
 use trueaxis_tables::{Machine, Table};
@@ -81,9 +81,28 @@ impl Term {
         }
     }
 
+    /// Name of a curve of several degrees, `EYX`; `None` for a scale or an offset and what is no curve.
+    pub(super) fn curve_name(self) -> Option<String> {
+        match self {
+            Term::Curve { axis, component, degree } if degree > 1 || usize::from(component) != axis.index() => {
+                Some(format!("E{}{}", Axis::ALL[usize::from(component) % AXES].letter(), axis.letter()))
+            }
+            _ => None,
+        }
+    }
+
     /// Whether the term is an angular error of a linear axis.
     pub fn is_angle(self) -> bool {
         matches!(self, Term::Curve { component: 3.., .. })
+    }
+
+    /// Standard deviation of the term before anything is measured; `None` if it is free.
+    pub(super) fn range(self, wanted: &Wanted) -> Option<f64> {
+        match self {
+            Term::Curve { component: 3.., .. } => Some(wanted.angle_range),
+            Term::Curve { degree: 2.., .. } => wanted.curve_range,
+            _ => None,
+        }
     }
 
     /// Step of the term for computing its effect.

@@ -104,7 +104,7 @@ impl Known {
             Term::Squareness(_) => squareness,
             Term::Curve { component: 3.., .. } => task.wanted.angle_range,
             Term::Curve { degree: 1, .. } => scale,
-            Term::Curve { .. } => straightness,
+            Term::Curve { .. } => task.wanted.curve_range.unwrap_or(straightness),
             Term::Backlash(_) => backlash,
             Term::Location(_, 0..3) => 0.05,
             Term::Location(..) => 1e-4,

@@ -20,6 +20,7 @@ use super::foreseen::{Planning, foresee};
 use super::plan::Plan;
 use super::task::Task;
 use super::terms::{Term, Terms};
+use crate::shown::{Cell, Table};
 use anyhow::Result;
 use candidate::{Candidate, Known, candidates};
 use search::{Asked, choose};
@@ -68,6 +69,30 @@ pub struct ChosenDocument {
     pub unseen: Vec<String>,
     /// What else to know.
     pub notes: Vec<String>,
+}
+
+impl ChosenDocument {
+    /// The choice for people, line by line.
+    pub fn shown(&self) -> Vec<String> {
+        let row = |of: &Choice| {
+            let [x, y, z] = of.at_mm;
+            let stylus = of.stylus_mm.map_or_else(|| Cell::from("-"), Cell::shortest);
+            let (at, minutes) = (format!("X{x} Y{y} Z{z}"), Cell::fixed(of.minutes, 1));
+            vec![format!("{} {}", of.artefact, of.place).into(), of.facing.as_str().into(), at.into(), stylus, minutes]
+        };
+        let head = ["place", "facing", "at, mm", "stylus, mm", "minutes"];
+        let table = Table::new("Chosen places", head, self.choices.iter().map(row));
+        let mut lines: Vec<String> = table.to_string().lines().map(str::to_owned).collect();
+        lines.push(format!(
+            "error of the tip expected over the volume, RMS: {:.1} µm before, {:.1} µm after",
+            self.before_um, self.after_um
+        ));
+        if !self.unseen.is_empty() {
+            lines.push(format!("note: these stay as they were assumed: {}", self.unseen.join(", ")));
+        }
+        lines.extend(self.notes.iter().map(|note| format!("note: {note}")));
+        lines
+    }
 }
 
 /// Placements chosen for a task.
@@ -159,6 +184,22 @@ fn check(task: &Task, machine: &Machine) -> Result<()> {
     Err(error(task, last.line, "--minutes", found, needed))
 }
 
+/// Names of the terms that stay unseen; a curve once if all of its degrees do.
+fn unseen(terms: &[Term], is_unseen: impl Fn(usize) -> bool) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for (k, term) in terms.iter().enumerate().filter(|(k, _)| is_unseen(*k)) {
+        let mut own = (0..terms.len()).filter(|other| terms[*other].curve_of() == term.curve_of());
+        let name = match term.curve_name() {
+            Some(curve) if own.all(&is_unseen) => curve,
+            _ => terms[k].name(),
+        };
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
 /// What the placements give, by the covariance of the whole network.
 fn document(
     asked: &Asked<'_>,
@@ -186,7 +227,7 @@ fn document(
         }
     }
     let left = |k: usize| covariance[k][k] / (ranges[k] * ranges[k]);
-    let unseen = (0..ranges.len()).filter(|k| left(*k) > 1.0 - UNSEEN).map(|k| known.terms.terms[k].name());
+    let unseen = unseen(&known.terms.terms, |k| left(k) > 1.0 - UNSEEN);
     let mut notes = Vec::new();
     if task.wanted.angle == 0 {
         notes.push("roll, pitch and yaw are not among the terms: angular_degree in [solve]".to_owned());
@@ -217,7 +258,7 @@ fn document(
         allowed_minutes: asked.minutes,
         before_um: 1e3 * asked.volume.of_ranges(&ranges).sqrt(),
         after_um: 1e3 * asked.volume.of(&covariance).sqrt(),
-        unseen: unseen.collect(),
+        unseen,
         notes,
     })
 }
