@@ -92,6 +92,7 @@ async function start(): Promise<void> {
   const desk: Desk = {
     bench,
     runs,
+    spare: () => new Bench(compiled, script),
     machine,
     show,
     openProgram: async (program) => {

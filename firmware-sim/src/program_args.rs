@@ -1,6 +1,6 @@
 //! The program of a scenario: arguments, reading, and notes.
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use firmware_sim::rs274;
 use std::path::{Path, PathBuf};
@@ -25,6 +25,9 @@ pub(crate) struct ProgramArgs {
     /// Skip the lines that begin with `/`.
     #[arg(long, help_heading = "Machine and program")]
     block_delete: bool,
+    /// What probing moves G38.2 to G38.5 touch: a .toml with a plane, boxes, balls, a height map [default: nothing].
+    #[arg(long, value_name = "FILE", help_heading = "Machine and program")]
+    surface: Option<PathBuf>,
     /// Interpreter of the program.
     #[arg(
         long,
@@ -47,12 +50,21 @@ enum Interpreter {
 impl ProgramArgs {
     /// All input files.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        [Some(&self.file), self.tool_table.as_ref(), self.offsets.as_ref()].into_iter().flatten().map(PathBuf::as_path)
+        let given = [Some(&self.file), self.tool_table.as_ref(), self.offsets.as_ref(), self.surface.as_ref()];
+        given.into_iter().flatten().map(PathBuf::as_path)
     }
 
     pub(crate) fn read(&self) -> Result<Program> {
-        let options = ReadOptions::from_files(self.tool_table.as_deref(), self.offsets.as_deref(), self.block_delete)?
-            .beside(&self.file);
+        let mut options =
+            ReadOptions::from_files(self.tool_table.as_deref(), self.offsets.as_deref(), self.block_delete)?
+                .beside(&self.file);
+        if let Some(surface) = &self.surface {
+            ensure!(
+                self.interpreter == Interpreter::Own,
+                "found --surface with --interpreter rs274, needed one of them"
+            );
+            options = options.probing(surface)?;
+        }
         let read = match self.interpreter {
             Interpreter::Own => Program::read,
             Interpreter::Rs274 => rs274::read,

@@ -215,3 +215,32 @@ fn files_of_a_controller() {
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("e.tbl:1: found `Q`"));
 }
+
+#[test]
+fn a_program_probes_the_surface_it_is_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    file(
+        "map.csv",
+        "RepRapFirmware height map file v2\nxmin,xmax,ymin,ymax,radius,spacing,xnum,ynum\n0,9,0,9,-1,9,2,2\n1,1\n1,1\n",
+    );
+    let surface = file("surface.toml", "[height_map]\nfile = \"map.csv\"\nz_mm = -3\n").display().to_string();
+    let program = file("p.ngc", "G21 F600 G38.2 Z-9\nG1 X[#5070*3]\nM2\n");
+    let digest = |program: &Path, more: &[&str]| {
+        let output = simulator(program, &[&["--json"], more].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let run: Value = serde_json::from_slice(&output.stdout).unwrap();
+        run["digest"].clone()
+    };
+    let lines = file("q.ngc", "G21 F600 G61.1 G1 Z-2\nG1 X3\nM2\n");
+    assert_eq!(digest(&program, &["--surface", &surface]), digest(&lines, &[]));
+    assert_ne!(digest(&program, &[]), digest(&lines, &[]));
+    let with = |more: &[&str]| String::from_utf8(simulator(&program, more).stderr).unwrap();
+    let error = with(&["--surface", &surface, "--interpreter", "rs274"]);
+    assert!(error.contains("found --surface with --interpreter rs274"), "{error}");
+    assert!(with(&["--surface", "none.toml"]).contains("none.toml:1: found a file that cannot be read"));
+}

@@ -2,7 +2,7 @@
 # Builds and installs the component, runs LinuxCNC with it as an ordinary user without a screen, and removes it again.
 #
 #   test.sh            all tests
-#   test.sh NAME...    some of them (names: tests/checks.py)
+#   test.sh NAME...    some of them (names: tests/checks.py, and interpreter)
 #
 # If run by root, installs LinuxCNC 2.9 from Debian. Takes some eight minutes. TRUEAXIS_KEEP=DIR keeps recordings in DIR.
 set -euo pipefail
@@ -12,11 +12,16 @@ exec </dev/null
 root=$(cd ../.. && pwd)
 "$root/.ci/install" linuxcnc-uspace linuxcnc-uspace-dev gcc make
 target=${CARGO_TARGET_DIR:-$root/target}
-"$root/tests/hosts/recording.sh"
-# Compares the simulator's G-code with LinuxCNC's own interpreter.
-if [[ $# == 0 ]]; then
+# Compares the simulator's G-code with LinuxCNC's own interpreter, posts' programs and random ones.
+if [[ $# == 0 || " $* " == *' interpreter '* ]]; then
     (cd "$root" && TRUEAXIS_LINUXCNC=1 cargo test --quiet --workspace --test simulator linuxcnc::)
+    if [[ $* == interpreter ]]; then exit; fi
 fi
+names=("$@")
+for index in "${!names[@]}"; do
+    if [[ ${names[index]} == interpreter ]]; then unset "names[index]"; fi
+done
+"$root/tests/hosts/recording.sh"
 
 # The ordinary user may not be able to read this folder, so copy the files that the tests need.
 work=$(mktemp -d /tmp/trueaxis-linuxcnc.XXXXXX)
@@ -80,7 +85,7 @@ fi
     cd "$work"
     timeout --kill-after=20 1500 "${as_user[@]}" HOME="$work/runs" PATH=/usr/bin:/bin PYTHONDONTWRITEBYTECODE=1 \
         TRUEAXIS="$work/bin/trueaxis" TRUEAXIS_REPLAY="$work/bin/linuxcnc-recording" TRUEAXIS_HOSTS="$work/hosts" \
-        /usr/bin/python3 "$work/repository/integrations/linuxcnc/tests/run.py" "$work/runs" "$@"
+        /usr/bin/python3 "$work/repository/integrations/linuxcnc/tests/run.py" "$work/runs" "${names[@]}"
 )
 if [[ -e $work/runs/one_proof/linuxcnc.json ]]; then
     cp "$work/runs/one_proof/linuxcnc.json" "$target/hosts"

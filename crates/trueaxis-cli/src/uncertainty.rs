@@ -25,8 +25,10 @@ The machine.toml states how well the machine's figures are known, as standard un
   [uncertainty.location]: the keys of [location]
   [axis.X.uncertainty]: scale_ppm, backlash_um, repeatability_um,
     and EXX_um … ECX_urad for every point of a column
+  [[uncertainty.correlation]]: between = [two of these keys], coefficient
 A table may state them point by point, in a column such as EXX_u_um. Each section may have degrees_of_freedom. \
-Uncertainties that are not stated count as zero and are listed.
+Uncertainties that are not stated count as zero and are listed; figures without a coefficient are independent. The share \
+of a correlated term has half of what it has in common with each other one, and may be negative.
 
 They are propagated to the tip through the error model twice: by its derivatives (first order), and by machines \
 drawn at random, whose exact geometry is corrected by the tables as they are. An expanded uncertainty is Student's \

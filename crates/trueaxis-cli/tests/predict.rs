@@ -36,6 +36,13 @@ fn found(stated: &str) -> Value {
     folder.json(&["predict", ".", "part.toml", "--json"])
 }
 
+fn drive(axis: &str) -> String {
+    format!(
+        "[axis.{axis}.drive]\nposition_gain_per_s = 80\nvelocity_gain_per_s = 600\nreset_time_s = 0.01\n\
+         lowest_resonance_hz = 1000\n"
+    )
+}
+
 fn um(of: &Value, key: &str) -> f64 {
     of["features"][0][key].as_f64().unwrap_or_else(|| panic!("{key}: {of}"))
 }
@@ -136,6 +143,23 @@ fn the_sample_part_as_document_table_and_page() {
     assert_ne!(other["features"][0]["expanded_um"], document["features"][0]["expanded_um"]);
 }
 
+#[test]
+fn the_test_parts_of_the_standards_are_predicted() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    for (machine, part, count) in [("mill-3axis", "contouring", 27), ("mill-5axis", "cone", 2)] {
+        let [machine, part] = [format!("compensation-tables/{machine}"), format!("records/{part}/part.toml")]
+            .map(|name| root.join(name).display().to_string());
+        let folder = Folder::new(TRUEAXIS);
+        let document = folder.json(&["predict", &machine, &part, "--trials", "200", "--json"]);
+        let features = document["features"].as_array().unwrap();
+        assert_eq!(features.len(), count, "{document}");
+        // The correction has something to correct.
+        let most = |of: &str| features.iter().map(|own| own[of].as_f64().unwrap().abs()).fold(0.0, f64::max);
+        assert!(most("uncorrected_um") > 5.0 * most("corrected_um"), "{document}");
+        assert!(features.iter().all(|own| own["verdict"] == "conforms"), "{document}");
+    }
+}
+
 /// The picture in the documents is the page's.
 fn picture_of_the_documents(page: &str) {
     let (_, part) = page.split_once("Part with its deviations").unwrap();
@@ -182,7 +206,7 @@ fn bad_parts_are_refused_with_file_and_line() {
         (part("at_mm = [0, 0, -50]\n", ""), &["at_mm", "found nothing"]),
         (part("[0, 0, -50]", "[120, 0, -50]"), &["two.ngc:6", "axis X at 300.000 mm", "0 to 200 mm"]),
         (format!("{PART}colour = 1\n"), &["part.toml:17", "colour"]),
-        (datums, &["part.toml:18", "the datum two, cut in lines 8 to 8", "made before one"]),
+        (datums, &["part.toml:18", "the datum two, cut in line 8", "made before one"]),
     ] {
         write(&folder, OTHERS, PROGRAM, &part);
         folder.bad(&["predict", ".", "part.toml", "--report", "out"], parts);
@@ -508,16 +532,26 @@ fn advice_without_what_it_needs_is_refused() {
     assert_eq!(advice["compared"], serde_json::json!(["laser along X", "square XY"]), "{advice}");
 }
 
+/// The correction of EYX takes up the play of Y before the program begins, in negative travel; Y itself first moves, in positive
+/// travel, between the two holes, which would otherwise be 0.8 times the play nearer to each other.
+#[test]
+fn the_servo_begins_with_the_play_that_the_correction_has_taken_up() {
+    let folder = Folder::new(TRUEAXIS);
+    let drives = ["X", "Y", "Z"].map(drive).join("");
+    let stated = format!("{}{drives}", OTHERS.replace("[axis.Z]", "backlash_um = 4\n[axis.Z]"));
+    let program = "G21 G90 G17 G94 F200\nG0 X0 Y0 Z10\nG81 X40 Y0 Z-5 R2\nG80\nG0 Y40\nG0 X0\nG0 X90\n\
+                   G81 X100 Y80 Z-5 R2\nG80\nM2\n";
+    write(&folder, &stated, program, &PART.replace("[4, 4]", "[3, 3]"));
+    folder.write("x.csv", "X_mm,EYX_um\n0,10\n200,10\n");
+    let document = folder.json(&["predict", ".", "part.toml", "--servo", "--rate-hz", "2000", "--json"]);
+    assert!(um(&document, "corrected_um").abs() < 0.8, "{document}");
+    assert!(um(&document, "uncorrected_um").abs() < 0.8, "{document}");
+}
+
 /// X and Y still settle when the strokes begin, which moves the middle of a hole by a fraction of a micrometre.
 #[test]
 fn the_servo_is_simulated_where_the_machine_states_its_drives() {
     let folder = Folder::new(TRUEAXIS);
-    let drive = |axis: &str| {
-        format!(
-            "[axis.{axis}.drive]\nposition_gain_per_s = 80\nvelocity_gain_per_s = 600\nreset_time_s = 0.01\n\
-             lowest_resonance_hz = 1000\n"
-        )
-    };
     write(&folder, &format!("{OTHERS}[location]\nC0Y_urad = 50\n"), PROGRAM, PART);
     let call = ["predict", ".", "part.toml", "--servo", "--rate-hz", "2000"];
     folder.bad(&call, &["small: key axis.X.drive: found nothing", "needed position_gain_per_s"]);
@@ -536,9 +570,11 @@ fn the_servo_is_simulated_where_the_machine_states_its_drives() {
     {
         assert!(text.contains(part), "{part}: {text}");
     }
+    folder.good(&[&call[..], &["--report", "page"]].concat());
+    assert!(folder.read("page/predict.html").contains("Part with everything on"));
     folder.bad(&["predict", ".", "part.toml", "--rate-hz", "2000"], &["--servo"]);
     folder.bad(&["predict", ".", "part.toml", "--servo", "--rate-hz", "10"], &["rate_hz", "100"]);
-    folder.bad(&[&call[..], &["--advise"]].concat(), &["cannot be used with"]);
+    folder.bad(&[&call[..], &["--advise"]].concat(), &["key instrument: found nothing"]);
 }
 
 /// The spindle end of X grows by 4 µm/K; the second hole is drilled later and warmer.

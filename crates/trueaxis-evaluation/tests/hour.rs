@@ -65,8 +65,6 @@ fn an_hour_removes_most_of_the_error() {
         assert!(found.after_um < 0.15 * found.before_um, "{found:?}");
         // A stylus along Z does not move by the roll of Z.
         assert!(found.unseen.iter().any(|term| term == "ECZ"), "{:?}", found.unseen);
-        let styli: Vec<f64> = found.choices.iter().filter_map(|choice| choice.stylus_mm).collect();
-        assert!(styli.contains(&100.0) && styli.contains(&200.0), "{styli:?}");
     }
     let one = |seed: u64| calibrated(&plans[machine(seed).settings.chain.as_str()], seed);
     let all: Vec<(f64, [usize; 2])> = (1..=count).into_par_iter().map(one).collect();

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "simulated")]
 mod angular;
+mod correlation;
 mod covariance;
 mod coverage;
 mod diagonal;
@@ -10,6 +11,8 @@ mod helicoid;
 #[cfg(feature = "simulated")]
 mod hour;
 mod plane;
+#[cfg(feature = "simulated")]
+mod plate_on_edge;
 mod points;
 #[cfg(feature = "simulated")]
 mod predict;

@@ -188,7 +188,7 @@ fn left(truth: &Machine, known: Option<&Machine>, [[x0, x1], [y0, y1]]: [[f64; 2
     (points.iter().map(squares).sum::<f64>() / count).sqrt()
 }
 
-fn written(task: &Task, truth: &Machine, found: &Calibration) -> Machine {
+pub(crate) fn written(task: &Task, truth: &Machine, found: &Calibration) -> Machine {
     let files = || machine_files(&perfect(truth), "").into_iter().map(|(name, text)| (name.into(), text));
     let all: Vec<(std::path::PathBuf, String)> = files().collect();
     let edited = found.additions(task).edit(&Memory::new(all.clone()), Path::new("machine.toml")).unwrap();
@@ -219,7 +219,7 @@ fn four_placements_remove_the_errors_in_their_plane() {
 }
 
 /// Values at the lines of the plate without their least-squares line, mm.
-fn shape(lines: &[f64], draws: &mut Draws) -> Vec<f64> {
+pub(crate) fn shape(lines: &[f64], draws: &mut Draws) -> Vec<f64> {
     let values: Vec<f64> = lines.iter().map(|_| 4e-3 * draws.normal()).collect();
     let count = lines.len() as f64;
     let mean = |of: &[f64]| of.iter().sum::<f64>() / count;

@@ -3,8 +3,8 @@
 
 use serde_json::Value;
 use trueaxis_metrology::uncertainty::{
-    Contribution, Covariance, Draws, Interval, Verdict, chi_squared_quantile, half_width, quantile, student_factor,
-    verdict,
+    Contribution, Correlations, Covariance, Draws, Interval, Verdict, chi_squared_quantile, half_width, quantile,
+    student_factor, verdict,
 };
 
 fn reference() -> Value {
@@ -35,7 +35,7 @@ fn quantiles_are_those_of_another_library() {
 fn along(parts: &[([f64; 3], f64)]) -> Covariance {
     let all: Vec<Contribution> =
         parts.iter().map(|&(vector, degrees_of_freedom)| Contribution { vector, degrees_of_freedom }).collect();
-    Covariance::of(&all)
+    Covariance::of(&all, &Correlations::default())
 }
 
 /// JCGM 100:2008, H.1: the end gauge. Components in nm with their degrees of freedom; u_c = 32, ν_eff = 16.7, U_99 = 93.
@@ -62,6 +62,27 @@ fn the_additive_model_of_the_supplement() {
     // The same stream repeats; another one differs.
     assert_eq!(Draws::new(7, 0).normal(), Draws::new(7, 0).normal());
     assert_ne!(Draws::new(7, 1).normal(), Draws::new(7, 0).normal());
+}
+
+/// u² = a² + b² + 2 r a b (JCGM 100:2008, 5.2.2). Of one fit with ν, ν is that of the sum; of two fits 1/ν = Σ c²/(u⁴ ν_k)
+/// with c = a² + r a b and b² + r a b. At r = 1 the uncertainties add up, of opposite parts they cancel.
+#[test]
+fn correlated_contributions_by_hand() {
+    let (a, b) = (3.0, -4.0);
+    for (r, nu) in [(0.6, [7.0, 7.0]), (0.6, [7.0, 20.0]), (-0.3, [5.0, f64::INFINITY]), (1.0, [7.0, 7.0])] {
+        let correlations = Correlations::new(&[([0, 2], r)], &[nu[0], 9.0, nu[1]]).unwrap();
+        let parts = [([a, 0.0, 1.0], nu[0]), ([0.0, 2.0, 0.0], 9.0), ([b, 0.0, 1.0], nu[1])];
+        let all = parts.map(|(vector, degrees_of_freedom)| Contribution { vector, degrees_of_freedom });
+        let found = Covariance::of(&all, &correlations);
+        let variance = a * a + b * b + 2.0 * r * a * b;
+        assert!((found.matrix[0][0] - variance).abs() < 1e-9, "{r}: {found:?} for {variance}");
+        assert!((found.matrix[0][2] - (a + b) * (1.0 + r)).abs() < 1e-9 && found.matrix[1][1] == 4.0, "{r}: {found:?}");
+        let [first, other] = [a * a + r * a * b, b * b + r * a * b];
+        let of_two = variance * variance / (first * first / nu[0] + other * other / nu[1]);
+        let wanted = if nu[0] == nu[1] { nu[0] } else { of_two };
+        assert!((found.degrees_of_freedom[0] / wanted - 1.0).abs() < 1e-6, "{r} {nu:?}: {found:?} for {wanted}");
+        assert_eq!(found.degrees_of_freedom[1], 9.0);
+    }
 }
 
 #[test]

@@ -117,7 +117,7 @@ impl Program {
             let tools = tool_table.map(|text| ToolTable::parse(text, "tool_table")).transpose()?;
             let offsets = offsets.map(|text| Offsets::parse(text, "offsets")).transpose()?;
             let source = Source { name: name.to_owned(), bytes: text.into_bytes().into(), file: name.to_owned() };
-            Program::read(&source, &ReadOptions { tools, offsets, block_delete, folder: None })
+            Program::read(&source, &ReadOptions { tools, offsets, block_delete, ..ReadOptions::default() })
         }))
     }
 

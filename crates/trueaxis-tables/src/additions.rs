@@ -1,5 +1,6 @@
 //! Errors that a calibration adds to those in a machine's files.
 
+use crate::correlated;
 use crate::document::{Edited, editable, section, set};
 use crate::edit::table_name;
 use crate::error::FileError;
@@ -11,7 +12,7 @@ use crate::limits::widened;
 use crate::origin::Origin;
 use crate::read::{Current, path_from};
 use crate::text::micro;
-use crate::uncertainty::Uncertainties;
+use crate::uncertainty::{Correlation, Uncertainties};
 use crate::{Machine, Table};
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
@@ -33,6 +34,8 @@ pub struct Additions {
     pub curves: Vec<(Axis, Points)>,
     /// Findings of a test; [`finding::decide`] decides which are written.
     pub findings: Vec<Finding>,
+    /// Coefficients of correlation between findings, by their keys; of those that are written they replace the stated ones.
+    pub correlations: Vec<Correlation>,
     /// Residual of the test's fit; with a misfit no finding is written.
     pub fit: Option<Fit>,
     /// Number of the record that the findings are based on ([`finding::record_number`]); `None`: the record has no number.
@@ -85,12 +88,11 @@ impl Additions {
                 None if finding.moved => (Some(found.rounded()), Why::Moved),
                 None => finding::decide(stated, found, !again),
             };
-            match written {
-                Some(value) if below(&finding.key, &value) => {
-                    Decision { key: finding.key.clone(), stated, found, written: None, why: Why::OverCompensated }
-                }
-                written => Decision { key: finding.key.clone(), stated, found, written, why },
-            }
+            let (written, why) = match written {
+                Some(value) if below(&finding.key, &value) => (None, Why::OverCompensated),
+                written => (written, why),
+            };
+            Decision::new(finding.key.clone(), stated, found, (written, why))
         };
         let mut decisions: Vec<Decision> = self.findings.iter().map(decision).collect();
         finding::together(&self.findings, &mut decisions);
@@ -133,6 +135,7 @@ impl Additions {
             edited.files.push((path_from(name, &csv), write_axis_csv_known(&table, *axis, &uncertainty)));
         }
         write(&self.findings, &decisions, self.record.as_deref(), &mut document, &origin)?;
+        correlated::write(&known, &decisions, &self.correlations, &mut document, &origin)?;
         let Edited { files, notes } = &mut edited;
         let text =
             widened(&document, &current.text, files, (machine, name), Some(&before), notes).map_err(|error| {

@@ -1,6 +1,7 @@
 //! Single changes to the files of a machine: a point of a table, an added or removed line, a key of `machine.toml`. Comments,
 //! order and the rest of the files stay as they are.
 
+use crate::correlated::forget;
 use crate::document::{Edited, as_before, editable, set};
 use crate::error::FileError;
 use crate::files::{Edit, Memory, Source};
@@ -292,6 +293,9 @@ fn key_set(
     match value {
         Some(value) => set(section, last, value.into()),
         None => drop(section.remove(last)),
+    }
+    if matches!(value, None | Some(Setting::Number(0.0))) {
+        forget(&mut document, key);
     }
     Ok((name.into(), as_before(document.to_string(), &before)))
 }

@@ -195,6 +195,7 @@ pub(crate) fn together(findings: &[Finding], decisions: &mut [Decision]) {
         if own.iter().any(|of| replaces(of)) {
             for of in own {
                 of.written = Some(of.found.rounded());
+                of.share = 1.0;
                 if !replaces(of) {
                     of.why = Why::Together;
                 }
@@ -206,6 +207,7 @@ pub(crate) fn together(findings: &[Finding], decisions: &mut [Decision]) {
         let share = share((ratios.sum::<f64>() / own.len().max(1) as f64).exp());
         for of in own {
             of.written = of.stated.map(|stated| mean(stated, of.found, share).rounded());
+            of.share = share;
         }
     }
 }
@@ -268,9 +270,28 @@ pub struct Decision {
     pub written: Option<Known>,
     /// Reason.
     pub why: Why,
+    /// Share of the found value in the written one, 0 … 1.
+    #[serde(skip)]
+    pub(crate) share: f64,
 }
 
 impl Decision {
+    /// What [`decide`] has decided.
+    pub(crate) fn new(
+        key: String,
+        stated: Option<Known>,
+        found: Known,
+        (written, why): (Option<Known>, Why),
+    ) -> Decision {
+        let uncertainties = stated.and_then(|stated| stated.uncertainty).zip(found.uncertainty);
+        let share = match (&why, uncertainties) {
+            _ if written.is_none() => 0.0,
+            (Why::Combined, Some((before, own))) => share(ratio(before, own)),
+            _ => 1.0,
+        };
+        Decision { key, stated, found, written, why, share }
+    }
+
     /// Writes the found value regardless of the decision; an uncertainty that is not finite becomes unknown.
     pub(crate) fn force(&mut self) {
         let found = self.found;
@@ -281,6 +302,7 @@ impl Decision {
             None => String::from("nothing"),
         };
         self.written = Some(forced);
+        self.share = 1.0;
         self.why = Why::Forced(format!("{rule}: {}", self.why));
     }
 }
@@ -288,7 +310,7 @@ impl Decision {
 /// The decision in one sentence.
 impl fmt::Display for Decision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Decision { key, stated, found, written, why } = self;
+        let Decision { key, stated, found, written, why, .. } = self;
         let stated = stated.map_or_else(|| String::from("nothing"), |stated| stated.to_string());
         let written = written.map_or_else(|| String::from("nothing"), |written| written.to_string());
         write!(f, "{key}: found {found} where {stated} is stated, written {written} ({why})")

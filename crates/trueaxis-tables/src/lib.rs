@@ -4,6 +4,7 @@ mod additions;
 mod change;
 pub mod collapse;
 mod compile;
+mod correlated;
 mod document;
 mod dynamic_needs;
 mod edit;

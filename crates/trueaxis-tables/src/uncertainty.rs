@@ -1,7 +1,8 @@
 //! Standard uncertainties of a machine's figures, stated beside its tables.
 //!
-//! They are in `[uncertainty]`, `[uncertainty.location]` and `[axis.X.uncertainty]` of `machine.toml`, and in columns like
-//! `EXX_u_um` of an axis' CSV. They are never compiled, so controllers do not know them, and they change no correction.
+//! They are in `[uncertainty]`, `[uncertainty.location]`, `[[uncertainty.correlation]]`, `[axis.X.uncertainty]`,
+//! `[axis.X.drive.uncertainty]` and `[axis.X.friction.uncertainty]` of `machine.toml`, and in columns like `EXX_u_um` of an
+//! axis' CSV. They are never compiled, so controllers do not know them, and they change no correction.
 
 use trueaxis::machine::Axis;
 
@@ -54,6 +55,79 @@ fn own(all: &[(String, f64)], name: &str) -> Option<f64> {
     all.iter().find(|(own, _)| own == name).map(|(_, degrees)| *degrees)
 }
 
+/// A figure of `[axis.X.drive]` or `[axis.X.friction]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Figure {
+    PositionGain,
+    VelocityGain,
+    ResetTime,
+    VelocityFeedForward,
+    DeadTime,
+    Coulomb,
+    Presliding,
+    StribeckShare,
+    StribeckVelocity,
+    Viscous,
+}
+
+impl Figure {
+    /// All figures, those of the drive first.
+    pub const ALL: [Figure; 10] = [
+        Figure::PositionGain,
+        Figure::VelocityGain,
+        Figure::ResetTime,
+        Figure::VelocityFeedForward,
+        Figure::DeadTime,
+        Figure::Coulomb,
+        Figure::Presliding,
+        Figure::StribeckShare,
+        Figure::StribeckVelocity,
+        Figure::Viscous,
+    ];
+
+    /// Name for readers.
+    pub fn name(self) -> &'static str {
+        match self {
+            Figure::PositionGain => "position gain",
+            Figure::VelocityGain => "velocity gain",
+            Figure::ResetTime => "reset time",
+            Figure::VelocityFeedForward => "velocity feed-forward",
+            Figure::DeadTime => "dead time",
+            Figure::Coulomb => "Coulomb friction",
+            Figure::Presliding => "pre-sliding",
+            Figure::StribeckShare => "Stribeck share",
+            Figure::StribeckVelocity => "Stribeck velocity",
+            Figure::Viscous => "viscous friction",
+        }
+    }
+
+    /// Section of the axis that states the figure.
+    pub fn section(self) -> &'static str {
+        if Figure::ALL[..5].contains(&self) { "drive" } else { "friction" }
+    }
+
+    /// Key in that section and in its `uncertainty`.
+    pub fn key(self, axis: Axis) -> &'static str {
+        let rotary = axis.is_rotary();
+        match self {
+            Figure::PositionGain => "position_gain_per_s",
+            Figure::VelocityGain => "velocity_gain_per_s",
+            Figure::ResetTime => "reset_time_s",
+            Figure::VelocityFeedForward => "velocity_feed_forward",
+            Figure::DeadTime => "dead_time_s",
+            Figure::Coulomb if rotary => "coulomb_deg_per_s",
+            Figure::Coulomb => "coulomb_mm_per_s",
+            Figure::Presliding if rotary => "presliding_urad",
+            Figure::Presliding => "presliding_um",
+            Figure::StribeckShare => "stribeck_share",
+            Figure::StribeckVelocity if rotary => "stribeck_velocity_deg_per_s",
+            Figure::StribeckVelocity => "stribeck_velocity_mm_per_s",
+            Figure::Viscous => "viscous",
+        }
+    }
+}
+
 /// Uncertainties of an axis; standard uncertainties (k = 1), mm and rad. `None`: not stated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisUncertainty {
@@ -75,6 +149,10 @@ pub struct AxisUncertainty {
     pub resonance_hz: Option<f64>,
     /// Damping of that resonance, share of critical.
     pub resonance_damping: Option<f64>,
+    /// Figures of drive and friction in the order of [`Figure::ALL`]; mm, s (degrees for a rotary axis).
+    pub servo: [Option<f64>; Figure::ALL.len()],
+    /// Degrees of freedom of the figures of drive and friction; `None`: well known.
+    pub servo_degrees_of_freedom: [Option<f64>; 2],
     /// Degrees of freedom of these figures; `None`: well known.
     pub degrees_of_freedom: Option<f64>,
     /// Degrees of freedom of single figures, by name as `backlash` or `EXX`; they take precedence over `degrees_of_freedom`.
@@ -99,6 +177,8 @@ impl AxisUncertainty {
             growth: None,
             resonance_hz: None,
             resonance_damping: None,
+            servo: [None; Figure::ALL.len()],
+            servo_degrees_of_freedom: [None; 2],
             degrees_of_freedom: None,
             own_degrees_of_freedom: Vec::new(),
         }
@@ -113,6 +193,15 @@ impl AxisUncertainty {
     }
 }
 
+/// Correlation of two figures that were found together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Correlation {
+    /// Full keys of their standard uncertainties, as [`Uncertainties::figures`] lists them.
+    pub between: [String; 2],
+    /// Coefficient of correlation, −1 to 1.
+    pub coefficient: f64,
+}
+
 /// All standard uncertainties that the files of a machine state.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Uncertainties {
@@ -122,6 +211,8 @@ pub struct Uncertainties {
     pub location: LocationUncertainty,
     /// One entry per axis, in the order of the machine's list.
     pub axes: Vec<AxisUncertainty>,
+    /// Each pair once; all others are independent.
+    pub correlations: Vec<Correlation>,
     /// Numbers of the records that the machine's figures are based on.
     pub records: Vec<String>,
 }
@@ -137,6 +228,41 @@ impl Uncertainties {
         }
         let parts = [self.instrument.device, self.instrument.eve, scatter].map(Option::unwrap_or_default);
         Some(parts.iter().map(|part| part * part).sum::<f64>().sqrt())
+    }
+
+    /// The same with every figure of the drives and of friction stated as exact.
+    #[must_use]
+    pub fn with_exact_drives(mut self) -> Uncertainties {
+        self.axes.iter_mut().for_each(|own| own.servo = [Some(0.0); Figure::ALL.len()]);
+        self
+    }
+
+    /// Full key of every figure that is a single number and can be correlated with others, like
+    /// `axis.X.uncertainty.scale_ppm`, with its standard uncertainty in SI units or mm; `None`: not stated.
+    pub fn figures(&self) -> Vec<(String, Option<f64>)> {
+        let unit = |axis: Axis| if axis.is_rotary() { "urad" } else { "um" };
+        let has = |axis: &Axis| self.of(*axis).is_some();
+        let mut all = Vec::new();
+        let squareness = ["A0Z", "B0Z", "C0Y"].into_iter().zip(self.location.squareness);
+        all.extend(squareness.map(|(name, u)| (format!("uncertainty.location.{name}_urad"), u)));
+        for (errors, axis) in self.location.rotary.iter().zip([Axis::A, Axis::B, Axis::C]) {
+            let errors = Axis::ALL.into_iter().zip(errors).filter(|_| has(&axis));
+            all.extend(errors.map(|(moved, u)| {
+                (format!("uncertainty.location.E{}0{}_{}", moved.letter(), axis.letter(), unit(moved)), *u)
+            }));
+        }
+        for own in &self.axes {
+            let (letter, unit) = (own.axis.letter(), unit(own.axis));
+            let mut put = |key: &str, u| all.push((format!("axis.{letter}.uncertainty.{key}"), u));
+            if !own.axis.is_rotary() {
+                put("scale_ppm", own.scale);
+            }
+            put(&format!("backlash_{unit}"), own.backlash);
+            put(&format!("growth_{unit}"), own.growth);
+        }
+        all.push(("uncertainty.device_um_per_m".into(), self.instrument.device_per_length));
+        all.push(("uncertainty.temperature_k".into(), self.instrument.temperature_k));
+        all
     }
 
     /// Uncertainties of an axis.

@@ -4,6 +4,7 @@ use std::path::Path;
 use trueaxis::Axis;
 use trueaxis_tables::files::Memory;
 use trueaxis_tables::finding::{Finding, Known, table};
+use trueaxis_tables::uncertainty::{Correlation, Uncertainties};
 use trueaxis_tables::{Additions, Machine};
 
 const MACHINE: &str = "# mine\nname = \"m\"\nchain = \"w X' Y' b Z t\"\n[axis.Y]\ntable = \"y.csv\" # kept\nbacklash_um = 1.5\n\
@@ -132,4 +133,83 @@ fn location_errors_that_change_are_set() {
     let text = with(vec![moved("location.C0Y_urad", -10.0, 0.1), none.clone()]).unwrap();
     assert!(text.contains("C0Y_urad = 0.0") && text.contains("A0Z_urad = 3\n") && !text.contains("B0Z"), "{text}");
     assert_eq!(with(vec![none]), None);
+}
+
+const KNOWN: &str = "[uncertainty.location]\nC0Y_urad = 4.0\nB0Z_urad = 3.0\n[axis.X.uncertainty]\nbacklash_um = 2.0\n\
+                     [[uncertainty.correlation]]\nbetween = [\"uncertainty.location.C0Y_urad\", \
+                     \"uncertainty.location.B0Z_urad\"] # by hand\ncoefficient = 0.5\n[[uncertainty.correlation]]\n\
+                     between = [\"uncertainty.location.B0Z_urad\", \"axis.X.uncertainty.backlash_um\"]\n\
+                     coefficient = -0.4\n";
+
+/// Coefficients in the machine after additions, by the last parts of the keys without units.
+fn coefficients(additions: &Additions) -> Vec<(String, f64)> {
+    let machine = format!("{MACHINE}{KNOWN}");
+    let files = Memory::new([("machine.toml", machine.as_str()), ("y.csv", "Y_mm,EYY_um\n0,1\n100,4\n")]);
+    let edited = additions.edit(&files, Path::new("machine.toml")).unwrap();
+    let all = edited.files.iter().map(|(name, text)| (name.as_path(), text.as_str()));
+    let files = Memory::new([(Path::new("y.csv"), "Y_mm,EYY_um\n0,1\n100,4\n")].into_iter().chain(all));
+    let read = Uncertainties::read_from(&files, Path::new("machine.toml")).unwrap();
+    let name = |key: &String| key.rsplit('.').next().unwrap().rsplit_once('_').unwrap().0.to_owned();
+    let pair = |own: &Correlation| {
+        let mut names = own.between.each_ref().map(name);
+        names.sort();
+        (names.join(" "), own.coefficient)
+    };
+    let mut found: Vec<(String, f64)> = read.correlations.iter().map(pair).collect();
+    found.sort_by(|a, b| a.0.cmp(&b.0));
+    found
+}
+
+fn together(one: &str, other: &str, coefficient: f64) -> Correlation {
+    Correlation { between: [one.into(), other.into()], coefficient }
+}
+
+#[test]
+fn coefficients_of_replaced_figures_are_replaced() {
+    let [c0y, b0z, a0z] = ["location.C0Y_urad", "location.B0Z_urad", "location.A0Z_urad"];
+    let with = |findings: Vec<Finding>, correlations: Vec<Correlation>| {
+        coefficients(&Additions { findings, correlations, ..Additions::default() })
+    };
+    let named = |all: &[(&str, f64)]| all.iter().map(|(name, r)| ((*name).to_owned(), *r)).collect::<Vec<_>>();
+    // C0Y replaced by a test that says nothing of B0Z: theirs goes, that of B0Z stays.
+    assert_eq!(with(vec![moved(c0y, 50.0, 1.0)], Vec::new()), named(&[("B0Z backlash", -0.4)]));
+    // Both replaced: theirs is the found one, that of B0Z and the lost motion goes; less than 0.1 is not written, nor that of
+    // errors of a table or of what is not written itself.
+    let both = || vec![moved(c0y, 50.0, 1.0), moved(b0z, 40.0, 1.0), moved(a0z, 30.0, 1.0)];
+    let of_three = vec![
+        together(c0y, b0z, 0.7),
+        together(a0z, b0z, -0.099),
+        together(a0z, c0y, -0.1),
+        together(a0z, "axis.X.EYX_um", 0.9),
+        together(a0z, "axis.Y.backlash_um", 0.9),
+    ];
+    assert_eq!(with(both(), of_three), named(&[("A0Z C0Y", -0.1), ("B0Z C0Y", 0.7)]));
+    // 0.998 and 0.12 leave at least 0.057 for the third, which is written although it is small.
+    let near = vec![together(c0y, b0z, 0.998), together(a0z, b0z, 0.12), together(a0z, c0y, 0.06)];
+    let found = with(both(), near);
+    assert_eq!(found.len(), 3, "{found:?}");
+}
+
+/// C0Y is the mean of the stated 10 ± 4 and the found 12 ± 3: w = 16/25, u = 2.4. B0Z stays as it is, or is such a mean too.
+#[test]
+fn coefficients_of_weighted_means() {
+    let [c0y, b0z] = ["location.C0Y_urad", "location.B0Z_urad"];
+    let found = |key: &str, value: f64, uncertainty: f64| Finding {
+        moved: false,
+        on_top: false,
+        ..moved(key, value, uncertainty)
+    };
+    let one = Additions { findings: vec![found(c0y, 12.0, 3.0)], ..Additions::default() };
+    let of = |all: &[(String, f64)], name: &str| all.iter().find(|own| own.0 == name).unwrap().1;
+    // 0.5 · (1 − w) 4/2.4 = 0.3.
+    assert!((of(&coefficients(&one), "B0Z C0Y") - 0.3).abs() < 1e-4, "{:?}", coefficients(&one));
+    let both = Additions {
+        findings: vec![found(c0y, 12.0, 3.0), found(b0z, 1.0, 4.0)],
+        correlations: vec![together(b0z, c0y, -0.8)],
+        ..Additions::default()
+    };
+    // B0Z: stated 3, found 4, w = 9/25, u = 2.4: 0.5 · 0.36 · 4 · 0.64 · 3/2.4² − 0.8 · 0.64 · 3 · 0.36 · 4/2.4² = 0.24 − 0.384.
+    let found = coefficients(&both);
+    assert!((of(&found, "B0Z C0Y") + 0.144).abs() < 1e-4, "{found:?}");
+    assert!((of(&found, "B0Z backlash") + 0.4 * 0.64 * 3.0 / 2.4).abs() < 1e-4, "{found:?}");
 }

@@ -616,6 +616,10 @@ fn a_bicubic_mesh_is_read_as_klipper_lays_it() {
         let error = mesh(&text.replace(from, to)).unwrap_err().to_string();
         assert!(error.contains("column mesh_x_pps") && error.contains("a whole number from 0 to 248"), "{error}");
     }
+    for stated in ["-0.1", "2.1", "-1e308"] {
+        let error = mesh(&text.replace("tension = 0.3", &format!("tension = {stated}"))).unwrap_err().to_string();
+        assert!(error.contains("column tension") && error.contains("0 to 2, as Klipper accepts"), "{error}");
+    }
 }
 
 /// A machine that uses the import, with the notes about it.

@@ -101,6 +101,11 @@ presliding_urad = 7.0
 [location]
 [uncertainty]
 [uncertainty.location]
+A0Z_urad = 3.0
+B0Z_urad = 3.0
+[[uncertainty.correlation]]
+between = [\"uncertainty.location.A0Z_urad\", \"uncertainty.location.B0Z_urad\"]
+coefficient = 0.5
 [faults]
 [contour]
 [contour.feedback]

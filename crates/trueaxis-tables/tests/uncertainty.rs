@@ -100,3 +100,109 @@ fn errors_name_their_line() {
     let error = Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}).unwrap_err();
     assert_eq!(error.column.as_deref(), Some("axis.C.uncertainty.scale_ppm"));
 }
+
+const CORRELATED: &str = "
+[[uncertainty.correlation]]
+between = [\"uncertainty.location.C0Y_urad\", \"axis.X.uncertainty.scale_ppm\"] # by one ring
+coefficient = -0.6
+[[uncertainty.correlation]]
+between = [\"uncertainty.location.EX0C_um\", \"uncertainty.location.C0Y_urad\"]
+coefficient = 0.3
+";
+
+#[test]
+fn correlations_are_read_and_edits_keep_them() {
+    let text = format!("{PLAIN}{STATED}{CORRELATED}");
+    let before = files(&text, TABLE);
+    let found = read(&before).correlations;
+    let c0y = String::from("uncertainty.location.C0Y_urad");
+    assert_eq!(found.len(), 2);
+    assert_eq!(found[0].coefficient, -0.6);
+    assert!(found[0].between.contains(&c0y) && found[0].between.contains(&"axis.X.uncertainty.scale_ppm".into()));
+    assert!(found[1].between.contains(&"uncertainty.location.EX0C_um".into()) && found[1].coefficient == 0.3);
+    // Another standard uncertainty keeps them; a removed one, or zero, takes its own along.
+    let set = |key: &str, value: Option<f64>| {
+        let key = Change::Key { key: key.into(), value: value.map(Setting::Number) };
+        change(&before, Path::new("machine.toml"), &key).unwrap().files.remove(0).1
+    };
+    assert_eq!(set("axis.X.uncertainty.scale_ppm", Some(2.0)), text.replace("scale_ppm = 1\n", "scale_ppm = 2.0\n"));
+    for value in [None, Some(0.0)] {
+        let without = set("axis.X.uncertainty.scale_ppm", value);
+        assert_eq!(without.matches("[[uncertainty.correlation]]").count(), 1, "{without}");
+        assert!(without.contains("EX0C_um\", ") && !without.contains("coefficient = -0.6"), "{without}");
+    }
+    assert!(!set("uncertainty.location.C0Y_urad", None).contains("correlation"));
+}
+
+#[test]
+fn impossible_correlations_name_their_line() {
+    let [x, c0y, ex0c] =
+        ["axis.X.uncertainty.scale_ppm", "uncertainty.location.C0Y_urad", "uncertainty.location.EX0C_um"];
+    // Line of the error after the machine's text.
+    let refused = |entries: &[(&str, &str, &str)]| {
+        let of = |(one, other, r): &(&str, &str, &str)| {
+            format!("[[uncertainty.correlation]]\nbetween = [\"{one}\", \"{other}\"]\ncoefficient = {r}\n")
+        };
+        let text = format!("{PLAIN}{STATED}{}", entries.iter().map(of).collect::<String>());
+        let error = Machine::read_from(&files(&text, TABLE), Path::new("machine.toml"), &mut |_| {}).unwrap_err();
+        let start = format!("{PLAIN}{STATED}").lines().count() as u32;
+        (error.line.unwrap() - start, error.column.unwrap_or_default(), error.needed)
+    };
+    for (entries, line, needed) in [
+        (&[(x, "uncertainty.location.C0Y_um", "0.5")][..], 2, "uncertainty.location.C0Y_urad, or another of"),
+        (&[(x, "scale Y", "0.5")], 2, "one of uncertainty.location.A0Z_urad"),
+        (&[(x, "axis.X.uncertainty.backlash_um", "0.5")], 2, "axis.X.uncertainty.backlash_um stated above zero"),
+        (&[(x, "axis.X.uncertainty.EXX_um", "0.5")], 2, "every point of a table has its own value"),
+        (&[(x, "uncertainty.misalignment_mm", "0.5")], 2, "every axis has its own value"),
+        (&[(x, "axis.C.uncertainty.repeatability_urad", "0.5")], 2, "every approach has its own value"),
+        (&[(x, x, "1")], 2, "two different keys"),
+        (&[(x, c0y, "1.01")], 3, "a coefficient of correlation, -1 to 1"),
+        (&[(x, c0y, "\"high\"")], 3, "a number"),
+        (&[(x, c0y, "0.5"), (c0y, x, "0.5")], 5, "each pair once, this one is in line"),
+        (&[(x, c0y, "0.7"), (c0y, ex0c, "0.7"), (x, ex0c, "-0.95")], 9, "their matrix has the eigenvalue -0."),
+    ] {
+        let (found, column, said) = refused(entries);
+        assert!(said.contains(needed) && column.starts_with("uncertainty.correlation."), "{needed}: {column} {said}");
+        assert_eq!(found, line, "{needed}: {said}");
+    }
+    let (_, _, said) = refused(&[(x, c0y, "0.7"), (c0y, ex0c, "0.7"), (x, ex0c, "-0.95")]);
+    assert!([x, c0y, ex0c].iter().all(|name| said.contains(name)) && !said.contains("A0Z"), "{said}");
+    let whole = |body: &str| {
+        let text = format!("{PLAIN}{STATED}[[uncertainty.correlation]]\n{body}\n");
+        Machine::read_from(&files(&text, TABLE), Path::new("machine.toml"), &mut |_| {}).map(|_| ())
+    };
+    assert!(whole(&format!("between = [\"{x}\", \"{c0y}\"]\ncoefficient = -1")).is_ok());
+    for (body, needed) in [
+        (format!("between = [\"{x}\"]\ncoefficient = 0.5"), "the keys of two standard uncertainties"),
+        ("coefficient = 0.5".into(), "the keys of two standard uncertainties"),
+        (format!("between = [\"{x}\", \"{c0y}\"]"), "a coefficient of correlation"),
+        (format!("between = [\"{x}\", \"{c0y}\"]\ncoefficient = 0.5\nr = 1"), "one of between, coefficient"),
+    ] {
+        let error = whole(&body).unwrap_err();
+        assert!(error.needed.contains(needed) && error.line.is_some(), "{error}");
+    }
+}
+
+#[test]
+fn figures_of_drive_and_friction_are_read_with_their_degrees_of_freedom() {
+    let servo = |axis: &str, micro: &str, unit: &str| {
+        format!(
+            "[axis.{axis}.drive]\nposition_gain_per_s = 50\nvelocity_gain_per_s = 400\nreset_time_s = 0.01\n\
+             [axis.{axis}.drive.uncertainty]\nposition_gain_per_s = 2\ndead_time_s = 0\ndegrees_of_freedom = 7\n\
+             [axis.{axis}.friction]\ncoulomb_{unit}_per_s = 0.4\npresliding_{micro} = 5\n\
+             [axis.{axis}.friction.uncertainty]\ncoulomb_{unit}_per_s = 0.04\npresliding_{micro} = 1\n"
+        )
+    };
+    let found = read(&files(&format!("{PLAIN}{}{}", servo("X", "um", "mm"), servo("C", "urad", "deg")), TABLE));
+    for (axis, presliding) in [(Axis::X, 1e-3), (Axis::C, 1e-6_f64.to_degrees())] {
+        let own = found.of(axis).unwrap();
+        let stated = [Some(2.0), None, None, None, Some(0.0), Some(0.04), Some(presliding), None, None, None];
+        for (found, stated) in own.servo.iter().zip(stated) {
+            assert!((found.unwrap_or(-1.0) - stated.unwrap_or(-1.0)).abs() < 1e-15, "{axis:?}: {:?}", own.servo);
+        }
+        assert_eq!(own.servo_degrees_of_freedom, [Some(7.0), None]);
+    }
+    let unknown = format!("{PLAIN}{}", servo("X", "um", "mm").replace("dead_time_s", "gain"));
+    let error = Machine::read_from(&files(&unknown, TABLE), Path::new("machine.toml"), &mut |_| {}).unwrap_err();
+    assert_eq!(error.line, Some(13), "{error}");
+}

@@ -83,12 +83,17 @@ export class Bench {
     else waiting?.failed(new Error(answer.message));
   }
 
-  private restart(message: string): void {
+  /** Ends the worker; calls in progress fail with this error. */
+  close(why: Error): void {
     this.worker.terminate();
-    this.worker = this.start();
     const lost = [...this.waiting.values()];
     this.waiting.clear();
-    for (const { failed } of lost) failed(new Restarted(message));
+    for (const { failed } of lost) failed(why);
+  }
+
+  private restart(message: string): void {
+    this.close(new Restarted(message));
+    this.worker = this.start();
     for (const listener of this.restarts) listener(message);
   }
 }

@@ -30,6 +30,8 @@ export interface Desk {
   bench: Bench;
   /** Runs, in slices. */
   runs: Bench;
+  /** Another worker, for a request that can be cancelled by closing it. */
+  spare(): Bench;
   machine: MachineStore;
   /** Brings a view to the front. */
   show(id: string): Promise<void>;

@@ -12,6 +12,8 @@ export interface Characteristic {
   datums: string[];
   uncorrected_um: number;
   corrected_um: number;
+  /** With the servo. */
+  everything_um?: number;
   limits_um: [least: number | null, most: number | null];
   /** What follows is absent if the machine states no uncertainty. */
   expanded_um?: number;
@@ -28,6 +30,8 @@ export interface Shape {
   points_mm: Vector[];
   uncorrected_um: Vector[];
   corrected_um: Vector[];
+  /** With the servo. */
+  everything_um?: Vector[];
   verdict: Verdict | null;
   used: number | null;
 }
@@ -45,6 +49,13 @@ export interface Predicted extends There {
   notes: string[];
 }
 
+/** What to measure. */
+export interface Advised {
+  shown: Shown;
+  /** The task of `calibrate plan`. */
+  task: string | null;
+}
+
 export interface Kept {
   /** Lowest and highest place along X, Y and Z. */
   range_mm: [Ends, Ends, Ends];
@@ -59,8 +70,14 @@ export type Text = [name: string, text: string];
 export interface Request {
   part: Text;
   program: Text;
-  /** Programs of further set-ups. */
+  /** Programs of further set-ups, and tasks of instruments. */
   more: Text[];
+  /** The machine's thermal.toml. */
+  thermal?: Text | null;
+  /** A record of temperatures. */
+  record?: Text | null;
+  /** Start of the program in the record: seconds after its first row, or HH:MM. */
+  start?: string;
   at_mm: Vector | null;
   machine_c?: number | null;
   trials: number;

@@ -4,16 +4,18 @@ import partText from "../../../records/plate/part.toml";
 import programText from "../../../records/plate/plate.ngc";
 import { message, type Desk } from "../core/desk";
 import { commandLine, debounce, el, numberField, section, slider, type Field } from "../core/dom";
-import { onDrop, picker, text, type Given } from "../core/files";
-import { adopt } from "../core/machine";
+import { onDrop, picker, type Given } from "../core/files";
 import { significant } from "../core/number";
 import { FIRST_MACHINE, Samples } from "../core/sample";
 import { word } from "../core/shell";
 import { Sentence, showTables, tabled } from "../core/shown";
 import type { Vector } from "../core/space";
 import { titled, type Kept, type Predicted, type Request, type There } from "./documents";
+import { Files, NO_FILES } from "./files";
+import { Longer } from "./longer";
 import { Picture } from "./picture";
 import { Features } from "./table";
+import { Temperature } from "./temperature";
 
 export interface ViewState {
   /** No part was open if null. */
@@ -24,7 +26,7 @@ export interface ViewState {
 /** Draws in the page; the command line has 10,000. */
 const TRIALS = 1000;
 const NOTHING = "Drop a part.toml with its program, and the machine's folder unless it is the machine shown.";
-const SAMPLE: Request = { part: ["part.toml", partText], program: ["plate.ngc", programText], more: [], at_mm: null, machine_c: null, trials: TRIALS, seed: 1 };
+const SAMPLE: Request = { ...NO_FILES, part: ["part.toml", partText], program: ["plate.ngc", programText], trials: TRIALS, seed: 1 };
 /** Time without a move after which the part is predicted at its new place, ms. */
 const REST_MS = 600;
 /** Ends of the sliders that differ by rounding. */
@@ -45,6 +47,12 @@ export class Part {
   private kept: Kept | undefined;
   private sliders: Field[] = [];
   private readonly fields: Record<"trials" | "seed", Field>;
+  private readonly files: Files;
+  private readonly longer: Longer;
+  private readonly temperature = new Temperature(
+    (start) => this.change({ start }),
+    () => this.change({ thermal: null, record: null, start: "" }),
+  );
   private readonly samples = new Samples([["Try a sample", () => this.trySample()]]);
   private readonly status = el("p", { role: "status" });
   private readonly command = commandLine("The same on the command line:");
@@ -70,19 +78,29 @@ export class Part {
         this.soon();
       });
     this.fields = { trials: field("Machines drawn", "trials", 200, 100_000), seed: field("Seed", "seed", 0, Number.MAX_SAFE_INTEGER) };
+    this.files = new Files(desk);
+    this.longer = new Longer(desk, () => this.request, (option) => this.request && this.describe(this.request, option), (found) => {
+      this.found = found;
+      this.say(found);
+      this.show(found);
+      this.explain();
+    });
     this.results = el(
       "div",
       { hidden: true },
       this.sentence.root,
+      this.longer.root,
       el("div", { class: "columns" }, section("Features", this.picture.root), section("Place of the program's zero, temperature of the machine", this.place, this.moved, this.budget)),
       section("Tolerances", this.features.root, this.notes),
+      this.longer.advice,
     );
     root.append(
       section(
         "Part before it is cut",
-        el("p", {}, "The program runs on the exact geometry of the machine; the features of the part are fitted to what it cuts, and compared with their tolerances. Servo, recorded temperatures and process are not included; growth is that of machine.toml."),
-        el("div", { class: "row" }, picker("Open part, program or machine", { accept: ".toml,.ngc,.nc,.gcode,.tap,.csv,.txt", several: true }, open, desk.fail), ...Object.values(this.fields).map(({ root }) => root)),
+        el("p", {}, "The program runs on the exact geometry of the machine; the features of the part are fitted to what it cuts, and compared with their tolerances. The growth is that of machine.toml, or of a thermal.toml; a record of temperatures says how warm the machine is while it cuts. Bending and process are not included."),
+        el("div", { class: "row" }, picker("Open part, programs, machine or temperatures", { accept: ".toml,.ngc,.nc,.gcode,.tap,.csv,.txt", several: true }, open, desk.fail), ...Object.values(this.fields).map(({ root }) => root)),
         this.samples.root,
+        this.temperature.root,
         this.status,
         this.command.root,
       ),
@@ -108,56 +126,33 @@ export class Part {
     void this.predict();
   }
 
+  private change(change: Partial<Request>): void {
+    if (!this.request) return;
+    Object.assign(this.request, change);
+    this.soon();
+  }
+
   private trySample(): void {
-    this.open({ request: { ...SAMPLE, trials: this.fields.trials.value, seed: this.fields.seed.value }, sample: true });
+    this.open({ request: { ...SAMPLE, ...this.draws }, sample: true });
   }
 
-  /** A part or a program, or both, and a machine. */
+  private get draws(): Pick<Request, "trials" | "seed"> {
+    return { trials: this.fields.trials.value, seed: this.fields.seed.value };
+  }
+
   private async take(given: Given[]): Promise<void> {
-    const { desk } = this;
-    const texts = new Map<string, string>();
-    for (const { path, bytes } of given) {
-      const name = path.split("/").at(-1) ?? path;
-      const content = text(bytes);
-      if (content === undefined) throw new Error(`${name}: found bytes that are not UTF-8, needed a text`);
-      texts.set(name, content);
-    }
-    const machine = [...texts].filter(([name]) => name === "machine.toml" || (texts.has("machine.toml") && name.endsWith(".csv")));
-    if (texts.has("machine.toml")) {
-      await adopt(desk, Object.fromEntries(machine), { what: "opened" }, given.find(({ path }) => path.endsWith("machine.toml"))?.path.split("/").at(-2) ?? "machine");
-      for (const [name] of machine) texts.delete(name);
-    }
-    texts.delete("thermal.toml");
-    const rest = [...texts];
-    const part = rest.find(([name]) => name.toLowerCase().endsWith(".toml"));
-    const named = part ? (await desk.bench.call("predict_programs", part[0], part[1])).map((path) => path.split("/").at(-1)!) : [];
-    const programs = rest.filter((one) => one !== part);
-    const program = programs.find(([name]) => name === named[0]) ?? programs[0];
-    const more = programs.filter((one) => one !== program && named.includes(one[0]));
-    if (!part && !program) return;
-    const old = this.isSample ? undefined : this.request;
-    const request = { ...SAMPLE, trials: this.fields.trials.value, seed: this.fields.seed.value, part: part ?? old?.part, program: program ?? old?.program, more };
-    if (!request.part || !request.program) {
-      // The other one may follow.
-      this.partial = { part: request.part ?? this.partial.part, program: request.program ?? this.partial.program };
-      if (!this.partial.part || !this.partial.program) {
-        this.nothing(request.part ? `${request.part[0]}: open its program${named[0] ? `, ${named[0]}` : ""}, too.` : `${request.program![0]}: open its part.toml, too.`);
-        return;
-      }
-      [request.part, request.program] = [this.partial.part, this.partial.program];
-    }
-    this.partial = {};
-    this.open({ request: request as Request, sample: false });
+    const taken = await this.files.take(given, this.request, this.isSample, this.draws);
+    if (typeof taken === "string") this.nothing(taken);
+    else if (taken) this.open(taken);
   }
-
-  /** A part without its program, or a program without its part. */
-  private partial: { part?: Request["part"] | undefined; program?: Request["program"] | undefined } = {};
 
   private nothing(why: string): void {
     this.latest += 1;
     this.request = undefined;
     this.samples.shown = this.isSample = false;
     this.results.hidden = true;
+    this.longer.forget();
+    this.temperature.set({});
     this.status.textContent = why;
   }
 
@@ -167,6 +162,8 @@ export class Part {
     if (!request) return;
     const turn = ++this.latest;
     this.samples.shown = this.isSample;
+    this.longer.forget();
+    this.temperature.set(request);
     this.describe(request);
     this.status.textContent = `Predicting ${request.part[0]} …`;
     try {
@@ -178,9 +175,7 @@ export class Part {
       this.found = JSON.parse(said) as Predicted;
       this.kept = JSON.parse(keep) as Kept;
       desk.clear();
-      const { shown, notes } = this.found;
-      this.status.textContent = [`${shown.summary.join(", ")}.`, ...notes].join(" ");
-      this.sentence.set(shown.result);
+      this.say(this.found);
       this.results.hidden = false;
       this.moved.textContent = "";
       this.sliding(this.found.document.at_mm);
@@ -190,15 +185,20 @@ export class Part {
       this.chosen = kept >= 0 ? kept : this.found.used.indexOf(Math.max(...this.found.used));
       this.show(this.found);
       this.explain();
-      showTables(this.notes, { ...shown, tables: [] });
     } catch (error) {
       if (turn !== this.latest) return;
       this.status.textContent = `${request.part[0]} could not be predicted on ${desk.machine.name}.`;
       this.results.hidden = true;
       // A sample that does not suit the machine is no error of the user.
-      if (this.isSample) this.status.textContent += ` ${message(error)}`;
+      if (this.isSample && !request.thermal && !request.record) this.status.textContent += ` ${message(error)}`;
       else desk.fail(error);
     }
+  }
+
+  private say({ shown, notes }: Predicted): void {
+    this.status.textContent = [`${shown.summary.join(", ")}.`, ...notes].join(" ");
+    this.sentence.set(shown.result);
+    showTables(this.notes, { ...shown, tables: [] });
   }
 
   private show({ document, used, shapes }: There): void {
@@ -247,6 +247,7 @@ export class Part {
     }
     // An earlier prediction would bring the part back.
     this.latest += 1;
+    this.longer.forget();
     this.wanted = [at, this.request?.machine_c ?? undefined];
     void this.follow();
     this.rest();
@@ -276,11 +277,14 @@ export class Part {
     }
   }
 
-  private describe({ part: [name], program: [program], at_mm, machine_c, trials, seed }: Request): void {
+  private describe({ part: [name], program: [program], thermal, record, start, at_mm, machine_c, trials, seed }: Request, option = ""): void {
     const machine = word(this.desk.machine.name);
     const number = (q: number) => significant(q, 6).replace("−", "-");
     const changes = [at_mm ? `at_mm = [${at_mm.map(number).join(", ")}]` : [], typeof machine_c === "number" ? `temperature.machine_c = ${number(machine_c)}` : []].flat();
-    const place = changes.length > 0 ? ` # with ${changes.join(" and ")} in ${name}` : "";
-    this.command.set(`trueaxis predict ${machine} ${word(name)} --program ${word(program)} --trials ${trials} --seed ${seed}${place}`);
+    const places = [changes.length > 0 ? `${changes.join(" and ")} in ${name}` : [], thermal ? `${thermal[0]} beside machine.toml` : []].flat();
+    const comment = places.length > 0 ? ` # with ${places.join(", ")}` : "";
+    const at = start?.trim() ? ` --${start.includes(":") ? "at" : "start"} ${word(start.trim())}` : "";
+    const options = [record ? `--thermal ${word(record[0])}${at}` : [], option === "" ? [] : option].flat().map((one) => ` ${one}`).join("");
+    this.command.set(`trueaxis predict ${machine} ${word(name)} --program ${word(program)} --trials ${trials} --seed ${seed}${options}${comment}`);
   }
 }

@@ -20,7 +20,7 @@ export const VERDICTS: Record<Verdict | "unknown", { colour: ColourName; sign: s
   unknown: { colour: "servo", sign: "", text: "no verdict" },
 };
 
-type Deviations = "corrected_um" | "uncorrected_um";
+type Deviations = "corrected_um" | "uncorrected_um" | "everything_um";
 
 export class Picture {
   readonly root: HTMLElement;
@@ -35,13 +35,20 @@ export class Picture {
     const figure = el("figure", {}, this.caption);
     this.scene = new Scene(figure, { label: "The part with its features in the colour of their verdict and their deviations as cones", height: 380 });
     this.scene.viewFrom(-1.1, 0.7);
-    this.which = choice<Deviations>("Deviations shown", [["corrected_um", "corrected"], ["uncorrected_um", "uncorrected"]], "corrected_um", () => this.draw());
+    this.which = choice<Deviations>("Deviations shown", [["corrected_um", "corrected"], ["uncorrected_um", "uncorrected"], ["everything_um", "everything on"]], "corrected_um", () => this.draw());
     figure.append(this.keys, el("div", { class: "row" }, this.which.root));
+    this.which.select.options[2]!.hidden = true;
     this.root = figure;
   }
 
   /** `chosen`: the feature that is marked. */
   set(shapes: Shape[], chosen: string): void {
+    const hasServo = shapes.some(({ everything_um }) => everything_um);
+    const option = this.which.select.options[2]!;
+    // With the servo the verdicts are those of everything on.
+    if (hasServo && option.hidden) this.which.value = "everything_um";
+    else if (!hasServo && this.which.value === "everything_um") this.which.value = "corrected_um";
+    option.hidden = option.disabled = !hasServo;
     [this.shapes, this.chosen] = [shapes, chosen];
     this.draw();
   }
@@ -53,7 +60,8 @@ export class Picture {
     const end = (pick: (...all: number[]) => number) => [0, 1, 2].map((k) => pick(...points.map((point) => point[k]!))) as Vector;
     const [low, high] = [end(Math.min), end(Math.max)];
     const size = Math.hypot(...high.map((q, k) => q - low[k]!)) || 1;
-    const deviations = (shape: Shape) => shape[this.which.value];
+    const which = this.which.value;
+    const deviations = (shape: Shape) => shape[which] ?? shape.corrected_um;
     // One magnification for both, so that they compare.
     const largest = Math.max(1e-3, ...shapes.flatMap((shape) => [...shape.uncorrected_um, ...shape.corrected_um].map((um) => Math.hypot(...um))));
     const magnification = oneTwoFive((LARGEST * size) / (largest * 1e-3));
@@ -72,7 +80,8 @@ export class Picture {
       scene.label(shape.points_mm[Math.floor(shape.points_mm.length / 2)]!, `${sign} ${shape.feature}`.trim());
     }
     scene.draw();
-    this.caption.textContent = `Part, ${this.which.value === "corrected_um" ? "corrected" : "uncorrected"}: deviations magnified ${magnification.toLocaleString("en")} times, at most ${largest.toFixed(1)} µm uncorrected`;
+    const name = this.which.select.selectedOptions[0]!.text;
+    this.caption.textContent = `Part, ${name}: deviations magnified ${magnification.toLocaleString("en")} times, at most ${largest.toFixed(1)} µm uncorrected`;
     const found = new Set(shapes.map(({ verdict }) => verdict ?? "unknown"));
     const key = (verdict: Verdict | "unknown") => {
       const { colour, sign, text } = VERDICTS[verdict];

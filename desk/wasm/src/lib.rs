@@ -33,6 +33,18 @@ use std::fmt;
 use trueaxis_tables::text::printable;
 use wasm_bindgen::prelude::*;
 
+#[cfg(target_arch = "wasm32")]
+#[wasm_bindgen]
+extern "C" {
+    /// The worker's callback for the progress of the current call.
+    #[wasm_bindgen(js_name = trueaxisProgress)]
+    fn progress(what: &str);
+}
+
+/// A build without a page has no worker to notify.
+#[cfg(not(target_arch = "wasm32"))]
+fn progress(_: &str) {}
+
 /// Version of the crates.
 #[wasm_bindgen]
 pub fn version() -> String {

@@ -297,6 +297,9 @@ fn cutter_compensation_comes_through_rs274() {
     let ends: Vec<_> = probing.moves.iter().map(|m| m.curve.position(1.0)).collect();
     assert_eq!(ends[..2], [[1.0, 0.0, 0.0], [1.0, 0.0, -5.0]]);
     assert!((ends[2][0] - 6.0).abs() < TOLERANCE && probing.moves[1].probe && probing.moves[1].stop, "{ends:?}");
+    // Notes name the words of the program.
+    let noted: Vec<&str> = probing.notes.iter().map(|note| note.word.as_str()).collect();
+    assert_eq!(noted, ["T", "M6", "G38", "--interpreter rs274"]);
     // rs274 does not write a file that a comment requests.
     let log = tempfile::tempdir().unwrap().path().join("log");
     let text = format!("(LOGOPEN,{})\n(LOG,x)\nG0 X1\nM2\n", log.display());

@@ -7,10 +7,10 @@ use crate::{Target, machines, no_repair};
 use std::collections::BTreeSet;
 use std::time::Duration;
 use trueaxis_sim::program::limits::MOST_PIECES;
-use trueaxis_sim::program::{Curve, Move, Offsets, Program, ReadOptions, ToolTable};
+use trueaxis_sim::program::{Curve, Move, Offsets, Program, ReadOptions, Surface, ToolTable};
 
-/// The program and, as further files, its offsets (`offsets.toml` or `offsets.var`), its tools (`tool.tbl`) and the switch for
-/// block delete.
+/// The program and, as further files, its offsets (`offsets.toml` or `offsets.var`), its tools (`tool.tbl`), what it
+/// probes (`map.csv`, then `surface.toml`) and the switch for block delete.
 pub const TARGET: Target = Target {
     name: "gcode",
     about: "NC programs with offsets, tools and canned cycles; one in 4096 as long as a program may be",
@@ -42,6 +42,12 @@ const LOOPS: &str = "#1=3 #<_g>=[2*#1 MOD 4]\no<s> sub\nG1 X#1 Y[sin[#2]] F100\n
     o5 else\no5 endif\no<s> endsub\no1 while [#1 GT 0]\no<s> call [#1] [-#<_g>**2]\n#1=[#1-1]\no1 endwhile\no2 do\no3 repeat [2]\n\
     G91 G1 X1\no3 endrepeat\no2 while [#<_value> GT 1]\nM70\nG20\nM72\nG0 @3^45\nG5 X1 Y1 I0 J3 P0 Q-3\nG5.1 X2 I1 J1\nM98 P9 L2\n\
     M30\nO9\nG1 X[atan[1]/[2]]\nM99\n";
+const PROBING: &str = "F100 G38.2 Z-20\nG91 G38.4 Z3\nG0 Z5\nG90 G10 L20 P1 Z#5063\nG38.3 X20 Y6.2\nG38.5 X-20\nG0 X0\nG38.2 X20 Z-9\n\
+    o1 if [#5070 EQ 1]\nG1 X#5061\no1 endif\nM2\n";
+const SURFACE: &str = "tip_diameter_mm = 2\nplane_z_mm = -12.5\n[height_map]\nfile = \"map.csv\"\nz_mm = -8\n[[box]]\n\
+    from_mm = [10, -5, -20]\nto_mm = [30, 5, 6]\n[[ball]]\ncentre_mm = [-20, 0, 5]\ndiameter_mm = 12\n";
+const MAP: &str = "RepRapFirmware height map file v2\nxmin,xmax,ymin,ymax,radius,spacing,xnum,ynum\n-9,9,-9,9,-1,9,3,3\n\
+    0.1,1,0\n0.2,-1,0.0\n0.3,1.5,2\n";
 const PARAMETERS: &str = "5161\t1.5\n5210\t1\n5211\t2\n5220\t3\n5261\t-4\n5270\t15.000\n5390 0\n";
 
 fn seeds() -> Vec<Vec<u8>> {
@@ -49,13 +55,14 @@ fn seeds() -> Vec<Vec<u8>> {
         joined(&[("offsets.toml", OFFSETS), ("tool.tbl", TOOLS), ("program.ngc", CYCLES)]),
         CURVES.into(),
         LOOPS.into(),
+        joined(&[("map.csv", MAP), ("surface.toml", SURFACE), ("program.ngc", PROBING)]),
         joined(&[("program.ngc", NURBS), ("offsets.var", PARAMETERS), ("tool.tbl", TOOLS), ("block delete", "")]),
     ]
 }
 
 fn run(input: &[u8]) {
     let mut options = ReadOptions::default();
-    let mut program = Vec::new();
+    let (mut program, mut map) = (Vec::new(), String::new());
     for (name, bytes) in split(input, "program.ngc") {
         let text = String::from_utf8_lossy(&bytes);
         match name {
@@ -68,6 +75,11 @@ fn run(input: &[u8]) {
             },
             "tool.tbl" => match ToolTable::parse(&text, name) {
                 Ok(tools) => options.tools = Some(tools),
+                Err(error) => return refused(error),
+            },
+            "map.csv" => map = text.into_owned(),
+            "surface.toml" => match Surface::parse(&text, name, |_| Ok(map.clone())) {
+                Ok(surface) => options.surface = Some(surface),
                 Err(error) => return refused(error),
             },
             "block delete" => options.block_delete = true,

@@ -150,6 +150,41 @@ pub const MARLIN: Target = target(
     },
 );
 
+/// Bed meshes of Klipper.
+pub const BED_MESH: Target = target(
+    "import_bed_mesh",
+    "bed meshes of Klipper",
+    |input| run(Format::BedMesh, input),
+    || {
+        vec![
+            b"\n[bed_mesh]\nmesh_min: 20, 20\nmesh_max: 220, 120\nprobe_count: 3, 2\nmesh_pps: 1, 0\nalgorithm: lagrange\n\
+              fade_start: 1\nfade_end: 10\nfade_target: 0.02\n#*# [bed_mesh default]\n#*# version = 1\n#*# points =\n\
+              #*# \t0.0525, 0.0425, 0.0300\n#*# \t0.0475, 0.0325, 0.0200\n#*# x_count = 3\n#*# y_count = 2\n\
+              #*# mesh_x_pps = 1\n#*# mesh_y_pps = 0\n#*# algo = lagrange\n#*# tension = 0.2\n#*# min_x = 20.0\n\
+              #*# max_x = 220.0\n#*# min_y = 20.0\n#*# max_y = 120.0\n"
+                .to_vec(),
+            b"\n#*# [bed_mesh smooth]\n#*# version = 1\n#*# points =\n#*#   0.1, 0.2, 0.1, 0.0\n#*#   0.1, 0.0, 0.1, 0.2\n\
+              #*#   0, 0, 0, 0\n#*#   0, 0.1, 0, 0\n#*# x_count = 4\n#*# y_count = 4\n#*# mesh_x_pps = 2\n#*# mesh_y_pps = 2\n\
+              #*# algo = bicubic\n#*# tension = 0.2\n#*# min_x = 0\n#*# max_x = 90\n#*# min_y = 0\n#*# max_y = 90\n"
+                .to_vec(),
+        ]
+    },
+);
+
+/// Grid tables.
+pub const GRID: Target = target(
+    "import_grid",
+    "grid tables over two or three linear axes",
+    |input| run(Format::Grid, input),
+    || {
+        vec![
+            b"\nX_mm,Y_mm,EZ_um\n0,0,1.5\n0,100,-2\n50,0,0.25\n50,100,3\n".to_vec(),
+            b"\nX_mm;Z_mm;EX_um;EB_urad\n0;-10;1,5;0\n0;0;2;-1\n20;-10;0;0,5\n20;0;1;1\n70;-10;0;0\n70;0;0;2\n"
+                .to_vec(),
+        ]
+    },
+);
+
 fn run(format: Format, input: &[u8]) {
     let Some(end) = input.iter().position(|byte| *byte == b'\n') else { return refused("no line for the axis") };
     let (head, rest) = input.split_at(end);
@@ -180,12 +215,27 @@ fn used(format: Format, axis: Option<Axis>, imported: &Imported) {
         assert!(numbers.into_iter().all(|number| number.is_finite()));
         assert!(table.rows.windows(2).all(|rows| rows[0].position < rows[1].position));
     }
+    for grid in &imported.grids {
+        let source = grid.source();
+        assert!(source.given.contains(&true) && source.values.iter().flatten().all(|value| value.is_finite()));
+        let nodes = source.nodes.iter().filter(|nodes| !nodes.is_empty());
+        assert_eq!(nodes.map(Vec::len).product::<usize>(), source.values.len());
+        for nodes in &source.nodes {
+            assert!(nodes.windows(2).all(|pair| pair[0] < pair[1]), "{nodes:?}");
+        }
+    }
     let files = Memory::new(imported.machine_files("imported"));
     let machine = match Machine::read_from(&files, Path::new("machine.toml"), &mut |_| {}) {
         Ok(machine) => machine,
         Err(error) => return refused(error),
     };
     saw("machine");
+    assert_eq!(machine.grids.len(), imported.grids.len());
+    for (read, grid) in machine.grids.iter().zip(&imported.grids) {
+        let values = read.source().values.iter().flatten().zip(grid.source().values.iter().flatten());
+        let off = values.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-9, "written and read again a node is off by {off}");
+    }
     for (axis, table) in &imported.tables {
         let rows = machine.rows(*axis).unwrap_or_else(|| panic!("the table of {} is lost", axis.letter()));
         assert_eq!(rows.len(), table.rows.len());

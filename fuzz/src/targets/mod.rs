@@ -45,6 +45,8 @@ macro_rules! for_each_target {
             import_rtl: $crate::targets::import::RTL,
             import_heightmap: $crate::targets::import::HEIGHTMAP,
             import_marlin: $crate::targets::import::MARLIN,
+            import_bed_mesh: $crate::targets::import::BED_MESH,
+            import_grid: $crate::targets::import::GRID,
             gcode: $crate::targets::gcode::TARGET,
             path: $crate::targets::path::TARGET,
             convert: $crate::targets::convert::TARGET,

@@ -10,7 +10,7 @@ use clap::Args;
 use servo::ServoArgs;
 use std::path::{Path, PathBuf, absolute};
 use temperature::TemperatureArgs;
-use trueaxis_evaluation::predict::{Advice, Options, PartFiles, advise, elsewhere, find, own_task, sections, shapes};
+use trueaxis_evaluation::predict::{Advice, Options, PartFiles, advise, elsewhere, find, own_task, sections};
 use trueaxis_tables::output::Outputs;
 use trueaxis_tables::uncertainty::Uncertainties;
 
@@ -32,14 +32,16 @@ The part's file states where the program's zero is in the machine, the lines of 
     association = minimum zone instead of least squares: straightness, flatness, roundness
     datums = [...]: position, profile (up to three); parallelism, perpendicularity, angularity (one)
     class, or width_um, of a slope limits_um: profile total, form or slope, helix total, form or slope
-  [[setup]], a further one, with name, program, at_mm; zero_mm, turned_deg, uncertainty_um, uncertainty_urad
+  [[setup]], a further one, with name, program, at_mm; zero_mm, turned_deg, uncertainty_um, uncertainty_urad,
+    start_s or start_at
   [[tool]] with name, diameter_uncertainty_um, length_uncertainty_um
-    a feature states setup, tool, and side if the diameter is uncertain: inside or outside (circle), left or right (line)
+    a feature states setup, tool, and side if the diameter is uncertain: inside or outside (circle),
+    left or right (line, profile), below or above (profile cut by the end of a ball)
 
 The exact geometry of the machine gives the points that are cut, with lost motion by the direction in which each axis \
 arrives, and with corrections as far as their limits in the machine.toml admit. Features are fitted by least squares. \
-Machines drawn from the uncertainties in the machine.toml (see `trueaxis uncertainty`) give the interval that contains the \
-true value with 95 %. A feature conforms if this interval is within the tolerance, does not conform if it is outside, and is \
+Machines drawn from the uncertainties and correlations in the machine.toml (see `trueaxis uncertainty`) give the interval \
+that contains the true value with 95 %. A feature conforms if this interval is within the tolerance, does not conform if it is outside, and is \
 otherwise undecided (ISO 14253-1). Verdicts, uncertainties and contributions are those of the corrected part.
 
 --advise compares the measurements that the owner's instruments allow, stated in the part's file:
@@ -62,6 +64,7 @@ the simulator. RECORD.csv has one row a reading, as for `trueaxis thermal fit`:
   t_s: time
   T1_c … T16_c: sensors, degrees Celsius
   spindle_rpm, tool_mm: speed of the spindle, length from its nose, as far as thermal.toml needs them
+A [[setup]] that does not follow the one before at once has start_s (after the first row) or start_at = HH:MM (after midnight the next day's).
 Without a record, the part's file may state constant temperatures:
   [temperature] with machine_c; part_c, part_expansion_um_per_m_k and part_u_k (its standard uncertainty): a part \
 cut warm shrinks to 20 °C
@@ -70,8 +73,11 @@ Not known of the growth are the sensors (sensor_k of [uncertainty]), expansion_u
 
 --servo runs the simulator's step and drives over the features, each with some moves before it: uncorrected, with the \
 geometric correction, and with everything that the machine.toml configures, feed-forward, friction and contour feedback. The \
-axes are then where the drives bring them; verdicts are those of everything on. The drives are exactly those of [axis.X.drive] \
-and [axis.X.friction], rigid; friction that is not stated is zero.
+axes are then where the drives bring them; verdicts are those of everything on. The drives are those of [axis.X.drive] \
+and [axis.X.friction], rigid; friction that is not stated is zero. Each figure with a standard uncertainty in \
+[axis.X.drive.uncertainty] or [axis.X.friction.uncertainty], of an axis that moves in a feature, is simulated once more, off by \
+it in the plant alone, and is drawn with the rest. With --advise, no measurement shows these figures, and places and directions \
+are compared without the servo.
 
 --find is a start for the part's file; it reads only program from it. It finds full circles of arcs or chords, holes, planes \
 milled line by line, free forms (profile), and straight lines in the plane of G17, G18 or G19. Of passes that repeat one \
@@ -152,12 +158,7 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
         _ => None,
     };
     if let Some(to) = &arguments.report {
-        let mut figures = vec![report::predict::margins(&document)];
-        // The picture has no servo.
-        if document.servo.is_none() {
-            let shapes = shapes(&machine, &stated, &program, &part, &document)?;
-            figures.insert(0, report::predict::picture(&shapes));
-        }
+        let figures = vec![report::predict::picture(&document.shapes), report::predict::margins(&document)];
         let page = document.shown().page("", figures);
         report::write_to(&mut outputs, &page, to, "predict.html")?;
     }

@@ -1,12 +1,10 @@
 //! Temperatures of a predicted part: its record, and the machine's model of growth.
 
 use crate::csv_in;
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use trueaxis_evaluation::predict::{
-    Growth, Part, Start, TEMPERATURES, TemperatureRecord, growth_model, thermal_beside,
-};
+use trueaxis_evaluation::predict::{Part, Start, TEMPERATURES, TemperatureRecord, growth_model, thermal_beside};
 use trueaxis_tables::Machine;
 
 #[derive(Args)]
@@ -25,13 +23,7 @@ pub(super) struct TemperatureArgs {
 
 /// Seconds since midnight.
 fn clock(text: &str) -> Result<f64> {
-    let parts = text.split_once(':').and_then(|(hours, minutes)| {
-        Some((hours.parse::<u32>().ok()?, minutes.parse::<u32>().ok().filter(|_| minutes.len() == 2)?))
-    });
-    match parts {
-        Some((hours @ 0..=23, minutes @ 0..=59)) => Ok(f64::from(3600 * hours + 60 * minutes)),
-        _ => bail!("needed hours and minutes, 00:00 to 23:59"),
-    }
+    Start::clock(text).ok_or_else(|| anyhow!("needed hours and minutes, 00:00 to 23:59"))
 }
 
 impl TemperatureArgs {
@@ -43,19 +35,9 @@ impl TemperatureArgs {
 
     /// The part with the growth of the machine while it is cut.
     pub(super) fn apply(&self, part: Part, machine: &Machine, path: &Path) -> Result<Part> {
-        if self.thermal.is_none() && part.temperature.machine_c.is_none() {
-            return Ok(part);
-        }
-        let model = growth_model(machine, path)?;
-        let growth = match (&self.thermal, part.temperature.machine_c) {
-            (Some(record), _) => {
-                let record = TemperatureRecord::read(csv_in::open(record, &TEMPERATURES, "rows")?)?;
-                let start = self.at.map_or_else(|| Start::After(self.start.unwrap_or(0.0)), Start::At);
-                Growth::recorded(model, &record, start)?
-            }
-            (None, Some(celsius)) => Growth::constant(model, celsius)?,
-            (None, None) => return Ok(part),
-        };
-        Ok(Part { growth: Some(growth), ..part })
+        let read = |record: &PathBuf| TemperatureRecord::read(csv_in::open(record, &TEMPERATURES, "rows")?);
+        let record = self.thermal.as_ref().map(read).transpose()?;
+        let start = self.at.map_or_else(|| Start::After(self.start.unwrap_or(0.0)), Start::At);
+        part.warmed(record.as_ref().map(|record| (record, start)), || growth_model(machine, path))
     }
 }

@@ -10,7 +10,8 @@ const BESIDE: f64 = 0.14;
 const PART: &str = "Part with its deviations";
 const HEADING: &str = "Deviations and tolerances";
 
-/// The picture: every feature in the colour of its verdict, with the deviations of the corrected part.
+/// The picture: every feature in the colour of its verdict, with the deviations of the corrected part, or of that with
+/// everything on.
 pub(crate) fn picture(shapes: &[Shape]) -> (&'static str, Markup) {
     let edge = |shape: &Shape| {
         let (colour, sign, dashed) = look(shape.verdict);
@@ -22,11 +23,13 @@ pub(crate) fn picture(shapes: &[Shape]) -> (&'static str, Markup) {
             colour,
             dashed,
             points_mm: around(&shape.points_mm),
-            deviation_um: around(&shape.corrected_um),
+            deviation_um: around(shape.everything_um.as_ref().unwrap_or(&shape.corrected_um)),
         }
     };
     let edges: Vec<Edge<'_>> = shapes.iter().map(edge).collect();
-    (PART, isometric("The part with its features in the colour of their verdict", "Corrected part", &edges).render())
+    let has_servo = shapes.iter().any(|shape| shape.everything_um.is_some());
+    let caption = if has_servo { "Part with everything on" } else { "Corrected part" };
+    (PART, isometric("The part with its features in the colour of their verdict", caption, &edges).render())
 }
 
 /// Colour, sign and dashes of a verdict: it can be told without colour.

@@ -11,6 +11,7 @@ use trueaxis::machine::{AXES, Axis};
 use trueaxis_report::number::significant;
 use trueaxis_tables::finding::OVERCOMPENSATED;
 use trueaxis_tables::finding::{Finding, Fit, Known};
+use trueaxis_tables::uncertainty::Correlation;
 use trueaxis_tables::{Additions, Machine};
 
 /// Steps of a table computed from curves.
@@ -285,28 +286,14 @@ impl Calibration {
         for (index, term) in terms.terms.iter().enumerate() {
             let (_, factor) = term.unit();
             let (value, standard_error) = (factor * solution.values[index], factor * solution.standard_errors[index]);
-            let (of, key) = match *term {
-                Term::Squareness(which) => {
-                    ("location".into(), format!("{}_urad", ["C0Y", "B0Z", "A0Z"][usize::from(which) % 3]))
-                }
-                Term::Location(_, component) => {
-                    let unit = if component < 3 { "um" } else { "urad" };
-                    ("location".into(), format!("{}_{unit}", term.name()))
-                }
-                Term::Backlash(axis) => (axis.letter().to_string(), "backlash_um".into()),
-                Term::Curve { axis, component, degree: 1 } if usize::from(component) == axis.index() => {
-                    (axis.letter().to_string(), "scale_ppm".into())
-                }
-                Term::Curve { axis, component, .. } => {
-                    // One value for all degrees.
-                    if values.iter().any(|value: &Keyed| value.curve == Some((axis, component))) {
-                        continue;
-                    }
+            if let Some((of, key)) = term.key() {
+                values.push(Keyed { of, key, value, standard_error, curve: None, rms: None });
+            } else if let Term::Curve { axis, component, .. } = *term {
+                // One value for all degrees.
+                if !values.iter().any(|value: &Keyed| value.curve == Some((axis, component))) {
                     values.push(self.curve(axis, component));
-                    continue;
                 }
-            };
-            values.push(Keyed { of, key, value, standard_error, curve: None, rms: None });
+            }
         }
         values
     }
@@ -372,8 +359,52 @@ impl Calibration {
         };
         let unseen = self.unseen();
         let is_seen = |keyed: &Keyed| keyed.curve.is_none_or(|curve| !unseen.contains(&curve));
-        let findings = self.values().into_iter().filter(is_seen).map(finding).collect();
-        Additions { findings, fit: Some(fit), compensated: task.compensated, ..Additions::default() }
+        let findings: Vec<Finding> = self.values().into_iter().filter(is_seen).map(finding).collect();
+        let correlations = self.correlations(&findings);
+        let compensated = task.compensated;
+        Additions { findings, correlations, fit: Some(fit), compensated, ..Additions::default() }
+    }
+
+    /// Coefficients of correlation between the findings of one term each; a shape has several terms.
+    fn correlations(&self, findings: &[Finding]) -> Vec<Correlation> {
+        let (terms, covariance) = (&self.observed.terms.terms, &self.solution.covariance);
+        let key = |term: &Term| {
+            let (of, key) = term.key()?;
+            let key = if of == "location" { format!("{of}.{key}") } else { format!("axis.{of}.{key}") };
+            findings.iter().any(|own| own.key == key).then_some(key)
+        };
+        let single: Vec<(usize, String)> =
+            terms.iter().enumerate().filter_map(|(index, term)| Some((index, key(term)?))).collect();
+        let mut found = Vec::new();
+        for (place, (i, one)) in single.iter().enumerate() {
+            for (j, other) in &single[place + 1..] {
+                let coefficient = covariance[*i][*j] / (covariance[*i][*i] * covariance[*j][*j]).sqrt();
+                if coefficient.is_finite() {
+                    found.push(Correlation { between: [one.clone(), other.clone()], coefficient });
+                }
+            }
+        }
+        found
+    }
+}
+
+impl Term {
+    /// `location` or the axis' letter, and the key of a term that is a value by itself; `None`: a part of a shape.
+    fn key(&self) -> Option<(String, String)> {
+        Some(match *self {
+            Term::Squareness(which) => {
+                ("location".into(), format!("{}_urad", ["C0Y", "B0Z", "A0Z"][usize::from(which) % 3]))
+            }
+            Term::Location(_, component) => {
+                let unit = if component < 3 { "um" } else { "urad" };
+                ("location".into(), format!("{}_{unit}", self.name()))
+            }
+            Term::Backlash(axis) => (axis.letter().to_string(), "backlash_um".into()),
+            Term::Curve { axis, component, degree: 1 } if usize::from(component) == axis.index() => {
+                (axis.letter().to_string(), "scale_ppm".into())
+            }
+            Term::Curve { .. } => return None,
+        })
     }
 }
 

@@ -20,12 +20,18 @@ pub(super) struct Point {
     pub(super) nominal: DVec3,
     /// Direction of the pass at a point of a profile; zero on other features.
     pub(super) tangent: DVec3,
+    /// Of a profile with a side: how a tool larger in radius moves the surface, for each mm.
+    pub(super) larger: DVec3,
     /// Whether two straight moves meet there.
     pub(super) joint: bool,
+    /// Commands of the axes by [`Axis::index`].
+    pub(super) command: [f64; AXES],
     pub(super) uncorrected: Reached,
     pub(super) corrected: Reached,
     /// With the servo, and everything that the machine configures against its error; as `corrected` without it.
     pub(super) everything: Reached,
+    /// With the servo: what one standard uncertainty of each uncertain figure of the drives adds to `everything`.
+    pub(super) drives: Vec<Followed>,
     /// Programmed point from the origin of the workpiece's frame, mm.
     pub(super) ideal: DVec3,
     /// Move of the program, and parameter on its curve.
@@ -69,6 +75,8 @@ pub(super) struct Cut {
     /// Set-up, if not the first, and the directions of its program on the part.
     pub(super) setup: Option<usize>,
     pub(super) to_part: DMat3,
+    /// Zero of its program on the part, mm.
+    pub(super) zero: DVec3,
     pub(super) tool: Option<usize>,
     pub(super) side: Option<Side>,
     pub(super) gear: Option<GearFlank>,
@@ -96,7 +104,7 @@ impl Cut {
         if let Some(circle) = &mut self.circle {
             circle.centre = zero + to_part * circle.centre;
         }
-        self.to_part = to_part;
+        (self.to_part, self.zero) = (to_part, zero);
     }
 
     /// Whether only the end of a move lies on the feature, as for a chord of a circle or a step over a flank.
@@ -115,29 +123,41 @@ impl Point {
     /// Moves the axes from the commands by what runs of the servo add to them: uncorrected, corrected and everything on. The
     /// runs are those of a cold machine.
     pub(super) fn follow(&mut self, [uncorrected, corrected, everything]: [Followed; 3]) {
-        let command = self.uncorrected.sent;
-        let cold = |errors: [f64; AXES]| std::array::from_fn(|axis| command[axis] + errors[axis]);
-        let warm = |[errors, reverse]: Followed| {
-            let cold: [f64; AXES] = cold(errors);
-            Reached { sent: std::array::from_fn(|axis| cold[axis] + self.warm[axis]), reverse }
-        };
-        [self.corrected, self.everything] = [corrected, everything].map(warm);
-        let [errors, reverse] = uncorrected;
-        self.uncorrected = Reached { sent: cold(errors), reverse };
+        [self.corrected, self.everything] = [corrected, everything].map(|of| self.after(of));
+        let ([errors, reverse], command) = (uncorrected, self.command);
+        self.uncorrected = Reached { sent: std::array::from_fn(|axis| command[axis] + errors[axis]), reverse };
     }
 
-    /// Error of the point that is cut, in directions of the workpiece's frame, mm; `along`: errors of the axes along themselves.
+    /// Where a run with the correction of the growth brings the axes.
+    pub(super) fn after(&self, [errors, reverse]: Followed) -> Reached {
+        let sent = std::array::from_fn(|axis| self.command[axis] + errors[axis] + self.warm[axis]);
+        Reached { sent, reverse }
+    }
+
+    /// With everything on and these figures of the drives.
+    fn with_drives(&self, drives: &[f64]) -> Reached {
+        let Reached { mut sent, mut reverse } = self.everything;
+        for ([by, back], z) in self.drives.iter().zip(drives).filter(|(_, z)| **z != 0.0) {
+            sent.iter_mut().zip(by).for_each(|(to, by)| *to += z * by);
+            reverse.iter_mut().zip(back).for_each(|(to, by)| *to = (*to + z * by).clamp(0.0, 1.0));
+        }
+        Reached { sent, reverse }
+    }
+
+    /// Error of the point that is cut, in directions of the workpiece's frame, mm; `along`: errors of the axes along themselves;
+    /// `drives`: how far the uncertain figures of the drives are off, in standard uncertainties.
     pub(super) fn error<'a>(
         &self,
         machine: &Machine,
         geometry: &Geometry,
         state: State,
         along: impl Iterator<Item = &'a Along>,
+        drives: &[f64],
     ) -> DVec3 {
         let reached = match state {
-            State::Uncorrected => &self.uncorrected,
-            State::Corrected => &self.corrected,
-            State::Everything => &self.everything,
+            State::Uncorrected => self.uncorrected,
+            State::Corrected => self.corrected,
+            State::Everything => self.with_drives(drives),
         };
         let mut sent = reached.sent;
         for one in along {

@@ -46,6 +46,9 @@ pub struct PredictDocument {
     /// What to do about it, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub advice: Option<Advice>,
+    /// The features as a picture, in the order of the part.
+    #[serde(skip)]
+    pub shapes: Vec<Shape>,
 }
 
 /// A toleranced characteristic of a feature.
@@ -96,10 +99,36 @@ pub struct Known {
 pub struct Contribution {
     /// Name of the term: of its errors those of ISO 230-1.
     pub term: String,
-    /// Contribution to the standard uncertainty; their squares add up to its square.
+    /// Contribution to the standard uncertainty; their squares add up to its square, those of negative ones subtracted.
     pub standard_um: f64,
-    /// Share of the variance, 0 … 1, after the squares of the effects of each quantity alone.
+    /// Share of the variance after the squares of the effects of each quantity alone, of a correlated one with half of what it
+    /// has in common with each other one: negative where that makes the whole smaller. All shares add up to 1.
     pub share: f64,
+}
+
+/// A feature as a picture draws it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Shape {
+    /// Name of the feature.
+    pub feature: String,
+    /// Its kind, as a part's file names it.
+    pub kind: &'static str,
+    /// Whether the last point joins the first: a full circle.
+    pub closed: bool,
+    /// Programmed points in coordinates of the program, in the order in which they are cut, mm.
+    pub points_mm: Vec<[f64; 3]>,
+    /// Deviations of the points without correction, µm.
+    pub uncorrected_um: Vec<[f64; 3]>,
+    /// Deviations of the points with the machine's correction, µm.
+    pub corrected_um: Vec<[f64; 3]>,
+    /// Deviations of the points with everything on, µm; absent without a run of the servo.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub everything_um: Option<Vec<[f64; 3]>>,
+    /// Worst verdict of its characteristics, in the words of [`Known::verdict`]; `null` without
+    /// tolerances or uncertainties.
+    pub verdict: Option<&'static str>,
+    /// Largest share of a tolerance that is used ([`Predicted::used`]); `null` without tolerances.
+    pub used: Option<f64>,
 }
 
 /// What the draws give for a tolerance, mm.
@@ -107,7 +136,7 @@ pub(super) struct Outcome {
     pub(super) values: Vec<f64>,
     /// Whether the values were cut by exact transforms.
     pub(super) cut: bool,
-    /// Squared contribution of every term, mm².
+    /// Part of every term in the variance, mm²; negative where its correlation makes the whole smaller.
     pub(super) contributions: Vec<f64>,
 }
 
@@ -149,11 +178,19 @@ impl PredictDocument {
             not_stated: model.terms.not_stated.clone(),
             warnings: model.terms.warnings.clone(),
             advice: None,
+            shapes: Vec::new(),
         }
     }
 }
 
 impl Outcome {
+    /// Scatter of the values, mm.
+    pub(super) fn standard_deviation(&self) -> f64 {
+        let count = self.values.len().max(1) as f64;
+        let mean = self.values.iter().sum::<f64>() / count;
+        (self.values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt()
+    }
+
     fn known(mut self, [low, high]: [f64; 2], names: &[&str]) -> Known {
         self.values.sort_unstable_by(f64::total_cmp);
         let end = |p: f64| quantile(&self.values, p);
@@ -161,19 +198,17 @@ impl Outcome {
         let inside = self.values.iter().filter(|value| (low..=high).contains(*value)).count();
         // What widens a zone from zero adds up to more than its scatter: the shares divide the scatter that was drawn.
         let whole: f64 = self.contributions.iter().sum();
-        let share = |squared: f64| if whole > 0.0 { squared / whole } else { 0.0 };
-        let count = self.values.len().max(1) as f64;
-        let mean = self.values.iter().sum::<f64>() / count;
-        let variance = self.values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
-        let budget = names.iter().zip(&self.contributions).filter(|(_, squared)| **squared > 0.0);
+        let share = |part: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        let deviation = self.standard_deviation();
+        let budget = names.iter().zip(&self.contributions).filter(|(_, part)| **part != 0.0);
         let mut budget: Vec<Contribution> = budget
-            .map(|(term, squared)| Contribution {
+            .map(|(term, part)| Contribution {
                 term: (*term).to_owned(),
-                standard_um: 1e3 * (share(*squared) * variance).sqrt(),
-                share: share(*squared),
+                standard_um: 1e3 * share(part.abs()).sqrt().copysign(*part) * deviation,
+                share: share(*part),
             })
             .collect();
-        sort_by_number(&mut budget, |one| -one.share);
+        sort_by_number(&mut budget, |one| -one.share.abs());
         Known {
             expanded_um: 1e3 * 0.5 * (interval.high - interval.low),
             interval_um: Interval { low: 1e3 * interval.low, high: 1e3 * interval.high },

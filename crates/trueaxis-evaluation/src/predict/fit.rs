@@ -90,7 +90,7 @@ impl Nominal {
             }
             FeatureKind::Flank => {
                 let gear = cut.gear.as_ref().ok_or("a gear")?;
-                nominal.flank = Some(Traces::of(gear, &points)?);
+                nominal.flank = Some(Traces::of(gear, points, (cut.to_part, cut.zero))?);
             }
             FeatureKind::Line => {
                 if widest.length() > NEAR || size <= NEAR {

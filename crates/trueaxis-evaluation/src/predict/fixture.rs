@@ -3,12 +3,15 @@
 //! ```text
 //! p = z + Rᵀ p_s                     a point of a set-up's program on the part; R: the turn of the part, about X, then Y, then Z
 //! d = Rᵀ (t + ω × p_s)               what an error of the set-up adds
-//! d = n Δr,  d = a Δl                of a tool's radius along the normal of the surface, of its length along the tool
+//! d = n Δr,  d = −a Δl               of a tool's radius along n, the normal into the material, of its length along a, from
+//!                                    the tip to the spindle
+//! d = (a + n) Δr                     of the radius of a ball, whose length ends at its tip
 //! ```
 
 use super::cut::{Cut, Point};
 use super::fit::Nominal;
 use super::kinds::{FeatureKind, Side};
+use super::temperature::Start;
 use crate::calibrate::ranges::number;
 use crate::uncertainty::terms::{Effect, Term};
 use anyhow::Result;
@@ -19,6 +22,8 @@ use trueaxis_tables::{KeyValue, Section};
 
 /// Largest distance of a program's zero, mm.
 const FARTHEST: f64 = 1e5;
+/// Latest start of a set-up: after a month.
+const LATEST_S: f64 = 2.7e6;
 /// Largest standard uncertainties: what no tool or set-up has, µm and µrad.
 const LARGEST: f64 = 1e4;
 
@@ -37,6 +42,10 @@ pub struct Setup {
     pub turned_deg: [f64; 3],
     /// Standard uncertainties of the part's place along X, Y, Z, mm, and of its orientation about them, rad.
     pub uncertainty: [f64; 6],
+    /// When it starts in a record of temperatures; when the one before has ended unless stated.
+    pub start: Option<Start>,
+    /// Line of that key.
+    pub start_line: u32,
     /// The program, once it has been read.
     pub program: Option<Program>,
     /// Line in the part's file.
@@ -69,8 +78,20 @@ impl Setup {
             }
             uncertainty[first..first + 3].copy_from_slice(&found.value.map(|u| mm * u));
         }
+        let (start, start_line) = read_start(&section)?.unzip();
         section.finish(None)?;
-        Ok(Setup { name, file, at_mm, zero_mm, turned_deg, uncertainty, program: None, line })
+        Ok(Setup {
+            name,
+            file,
+            at_mm,
+            zero_mm,
+            turned_deg,
+            uncertainty,
+            start,
+            start_line: start_line.unwrap_or(line),
+            program: None,
+            line,
+        })
     }
 
     /// Directions of the set-up's program on the part.
@@ -78,6 +99,20 @@ impl Setup {
         let [a, b, c] = self.turned_deg.map(f64::to_radians);
         (DMat3::from_rotation_z(c) * DMat3::from_rotation_y(b) * DMat3::from_rotation_x(a)).transpose()
     }
+}
+
+/// When a set-up starts in a record of temperatures, by one of two keys, and the line of that.
+fn read_start(section: &Section<'_>) -> Result<Option<(Start, u32)>, FileError> {
+    number(section, "start_s", [0.0, LATEST_S], " s after the first row of the record")?;
+    let after = section.number("start_s")?;
+    let Some(at) = section.string("start_at")? else {
+        return Ok(after.map(|after| (Start::After(after.value), after.line)));
+    };
+    if after.is_some() {
+        return Err(section.wrong(&at, "start_s or start_at, one of them"));
+    }
+    let seconds = Start::clock(at.value).ok_or_else(|| section.wrong(&at, "hours and minutes, 00:00 to 23:59"))?;
+    Ok(Some((Start::At(seconds), at.line)))
 }
 
 /// A tool.
@@ -110,12 +145,17 @@ impl Side {
         match kind {
             FeatureKind::Circle => section.choice("side", [("inside", Side::Inside), ("outside", Side::Outside)]),
             FeatureKind::Line => section.choice("side", [("left", Side::Left), ("right", Side::Right)]),
+            FeatureKind::Profile => {
+                let all =
+                    [("left", Side::Left), ("right", Side::Right), ("below", Side::Below), ("above", Side::Above)];
+                section.choice("side", all)
+            }
             _ => Ok(None),
         }
     }
 }
 
-/// What an uncertain quantity of set-ups and tools moves, of unit variance.
+/// What an uncertain quantity of set-ups, tools and drives moves, of unit variance.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Moves {
     /// A set-up, along (0 to 2, mm) or about (3 to 5, rad) an axis.
@@ -132,6 +172,8 @@ pub(super) enum Moves {
         tool: usize,
         by: f64,
     },
+    /// A figure of a drive, whose effect on the axes the points have.
+    Drive,
 }
 
 /// The quantities of set-ups and tools, each with its term.
@@ -195,23 +237,26 @@ impl Moved {
         let lever = point.nominal - self.about;
         let mut moved = self.shift + self.turn.cross(lever) - self.length * point.pointing;
         if self.radius != 0.0 {
-            moved += self.radius * into_material(point.nominal, cut, nominal);
+            moved += self.radius * into_material(point, cut, nominal);
         }
         moved
     }
 }
 
 /// Direction in which a larger tool moves the surface; zero where its end cuts.
-fn into_material(point: DVec3, cut: &Cut, nominal: &Nominal) -> DVec3 {
+fn into_material(point: &Point, cut: &Cut, nominal: &Nominal) -> DVec3 {
+    if cut.kind == FeatureKind::Profile {
+        return point.larger;
+    }
     let ends = [cut.points.first(), cut.points.last()].map(|end| end.map_or(DVec3::ZERO, |end| end.nominal));
     let left = || nominal.normal.cross(ends[1] - ends[0]).normalize_or_zero();
-    let outwards = || (point - nominal.centre).reject_from_normalized(nominal.normal).normalize_or_zero();
+    let outwards = || (point.nominal - nominal.centre).reject_from_normalized(nominal.normal).normalize_or_zero();
     match cut.side {
         Some(Side::Inside) => outwards(),
         Some(Side::Outside) => -outwards(),
         Some(Side::Left) => left(),
         Some(Side::Right) => -left(),
-        None => DVec3::ZERO,
+        Some(Side::Below | Side::Above) | None => DVec3::ZERO,
     }
 }
 

@@ -13,7 +13,7 @@
 
 use super::circle::NEAR;
 use crate::calibrate::ranges::number;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use trueaxis_metrology::helicoid::{Flank, Gear, GearData, Helicoid};
 use trueaxis_tables::Section;
 use trueaxis_tables::error::FileError;
@@ -34,7 +34,7 @@ pub struct GearFlank {
     pub gear: Gear,
     /// Side of its teeth.
     pub flank: Flank,
-    /// Gear's axis in the coordinates of the program, mm.
+    /// Gear's axis in the coordinates of its set-up's program, mm.
     pub axis_mm: [f64; 2],
     /// Face width, mm.
     pub face_mm: f64,
@@ -140,16 +140,22 @@ pub(super) struct Traces {
 }
 
 impl Traces {
-    /// The traces through programmed points.
+    /// The traces through programmed points of the part; directions and zero of the program that cuts them.
     ///
     /// # Errors
     /// Points that are not on the flank, or not on a grid of passes along it.
-    pub(super) fn of(of: &GearFlank, points: &[DVec3]) -> Result<Traces, &'static str> {
+    pub(super) fn of(
+        of: &GearFlank,
+        programmed: Vec<DVec3>,
+        (to_part, zero): (DMat3, DVec3),
+    ) -> Result<Traces, &'static str> {
         let data: GearData = of.gear.data().map_err(|_| "a gear")?;
         let surface = of.gear.helicoid(of.flank).map_err(|_| "a gear")?;
         let axis = DVec3::new(of.axis_mm[0], of.axis_mm[1], 0.0);
-        let placed: Vec<Placed> =
-            points.iter().map(|point| Placed::of(*point - axis, &surface)).collect::<Option<_>>().ok_or(BELOW)?;
+        // The gear stands where the set-up's program has it.
+        let local = |point: &DVec3| to_part.transpose() * (*point - zero) - axis;
+        let placed = programmed.iter().map(|point| Placed::of(local(point), &surface));
+        let placed: Vec<Placed> = placed.collect::<Option<_>>().ok_or(BELOW)?;
         let first = placed.first().ok_or(BELOW)?;
         // Another tooth or another zero of z is the same flank, turned about its axis.
         let pitch = std::f64::consts::TAU * surface.lead_parameter().abs();
@@ -176,8 +182,9 @@ impl Traces {
         if profile.len() < FEWEST || helix.len() < FEWEST {
             return Err("passes over a grid of at least five profiles and five heights");
         }
-        let normals = placed.iter().map(|one| DVec3::from(surface.normal(one.u, one.phi - one.u))).collect();
-        Ok(Traces { profile, helix, programmed: points.to_vec(), normals })
+        let normal = |one: &Placed| to_part * DVec3::from(surface.normal(one.u, one.phi - one.u));
+        let normals = placed.iter().map(normal).collect();
+        Ok(Traces { profile, helix, programmed, normals })
     }
 
     /// A deviation of the points that are cut, mm.

@@ -1,6 +1,6 @@
 //! A part with its programs and tasks from the folder of its file.
 
-use super::{GrowthModel, Part};
+use super::{Growth, GrowthModel, Part, Start, TemperatureRecord};
 use crate::calibrate::Task;
 use anyhow::{Result, bail};
 use std::fs::canonicalize;
@@ -59,6 +59,26 @@ fn path_of(file: &Path, program: Option<&Path>, named: Option<&str>, option: &st
 fn read_program(path: &Path) -> Result<Program> {
     let source = Source::read(path)?;
     Ok(Program::read(&source.name, &source.bytes, &source.file, &ReadOptions::default().beside(path))?)
+}
+
+impl Part {
+    /// The part with the growth of its machine while it is cut: by a record from this start on, otherwise at the constant
+    /// temperature that the part's file states.
+    ///
+    /// # Errors
+    /// Those of `model`, [`Growth::recorded`] and [`Growth::constant`].
+    pub fn warmed(
+        self,
+        record: Option<(&TemperatureRecord, Start)>,
+        model: impl FnOnce() -> Result<GrowthModel>,
+    ) -> Result<Part> {
+        let growth = match (record, self.temperature.machine_c) {
+            (Some((record, start)), _) => Growth::recorded(model()?, record, start)?,
+            (None, Some(celsius)) => Growth::constant(model()?, celsius)?,
+            (None, None) => return Ok(self),
+        };
+        Ok(Part { growth: Some(growth), ..self })
+    }
 }
 
 /// Reads a task of `calibrate` that a part names, beside the part's file.

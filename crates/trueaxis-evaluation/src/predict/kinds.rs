@@ -2,7 +2,7 @@
 
 use super::gear::FlankDeviation;
 
-/// Where the tool is on a circle, or on which side of a line's path the material is.
+/// Where the tool is on a circle, or where the material is, seen along the path or from the tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// A bore.
@@ -13,6 +13,10 @@ pub enum Side {
     Left,
     /// Material to the right of the path.
     Right,
+    /// Material on the tool's end.
+    Below,
+    /// Material between the tool's end and the spindle: an undercut.
+    Above,
 }
 
 /// Kind of a feature.

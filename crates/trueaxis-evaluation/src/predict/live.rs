@@ -19,7 +19,7 @@
 use super::cut::State;
 use super::document::Outcome;
 use super::room::room;
-use super::shape::{Shape, drawn};
+use super::shape::drawn;
 use super::{CHECKED, GrowthModel, Options, Part, PredictDocument, Prepared};
 use anyhow::{Result, bail};
 use glam::{DVec3, Vec3};
@@ -42,20 +42,13 @@ pub struct Live {
     stated: Uncertainties,
     program: Program,
     part: Part,
+    /// How its machine grows; none if no growth is stated.
+    growth: Option<GrowthModel>,
     seed: u64,
     /// Values of every drawn part at home; empty if the machine states no uncertainty.
     home: Vec<Vec<f64>>,
     /// Of the draws that are fitted again.
     scatter: Vec<Scatter>,
-}
-
-/// A part at a place.
-#[derive(Clone, Debug)]
-pub struct There {
-    /// Values, intervals and verdicts; the budgets are empty.
-    pub document: PredictDocument,
-    /// The features as a picture.
-    pub shapes: Vec<Shape>,
 }
 
 impl Live {
@@ -80,7 +73,13 @@ impl Live {
         let (home, mut scatter): (Vec<Vec<f64>>, Vec<Scatter>) = drawn.into_iter().unzip();
         scatter.truncate((FITS / part.features.len().max(1)).max(FEWEST));
         let (machine, stated, program, part) = (machine.clone(), stated.clone(), program.clone(), part.clone());
-        Ok(Live { machine, stated, program, part, seed, home, scatter })
+        let growth = GrowthModel::of(&machine, None).ok();
+        Ok(Live { machine, stated, program, part, growth, seed, home, scatter })
+    }
+
+    /// The part on a machine that grows by this model in place of its `[axis.X.thermal]`.
+    pub fn growing_by(self, model: GrowthModel) -> Live {
+        Live { growth: Some(model), ..self }
     }
 
     /// Lowest and highest place of the program's zero in the machine along X, Y and Z until the program leaves the travel, mm.
@@ -93,23 +92,26 @@ impl Live {
         Ok(std::array::from_fn(|k| room[k].map(|way| self.part.at_mm[k] + way)))
     }
 
-    /// Temperature of the machine at the first place, °C: the part's, or that of its tables; none if it states no growth in
-    /// its machine.toml.
+    /// Temperature of the machine at the first place, °C: the part's, or that of its tables; none if it states no growth, or
+    /// follows a record.
     pub fn machine_c(&self) -> Option<f64> {
         let reference_c = self.machine.settings.reference_temperature_c;
-        GrowthModel::of(&self.machine, None).ok().map(|_| self.part.temperature.machine_c.unwrap_or(reference_c))
+        let is_recorded = self.part.growth.as_ref().is_some_and(|growth| growth.is_recorded());
+        self.growth.as_ref().filter(|_| !is_recorded)?;
+        Some(self.part.temperature.machine_c.unwrap_or(reference_c))
     }
 
     /// The part with its program's zero at `at_mm` of the machine, whose temperature is `machine_c` from now on, °C; further
-    /// set-ups stay where they are.
+    /// set-ups stay where they are. The budgets are empty.
     ///
     /// # Errors
     /// A place at which the program leaves the travel; a temperature of a machine without growth, or that no machine has.
-    pub fn at(&self, at_mm: [f64; 3], machine_c: Option<f64>) -> Result<There> {
+    pub fn at(&self, at_mm: [f64; 3], machine_c: Option<f64>) -> Result<PredictDocument> {
         let Live { machine, stated, program, seed, .. } = self;
         let mut part = Part { at_mm, ..self.part.clone() };
         if let Some(celsius) = machine_c {
-            part = part.at_temperature(GrowthModel::of(machine, None)?, celsius)?;
+            let model = self.growth.clone().map_or_else(|| GrowthModel::of(machine, None), Ok)?;
+            part = part.at_temperature(model, celsius)?;
         }
         let prepared = Prepared::new(machine, stated, program, &part)?;
         let model = prepared.model(machine, &part);
@@ -143,7 +145,7 @@ impl Live {
         let options = Options { trials: CHECKED, seed: *seed };
         let document =
             PredictDocument::new(&model, program, options, ([&values[0], &values[1], &values[1]], None), outcomes);
-        let shapes = drawn(&model, [&uncorrected, &corrected], &document);
-        Ok(There { document, shapes })
+        let shapes = drawn(&model, [&uncorrected, &corrected, &corrected], &document);
+        Ok(PredictDocument { shapes, ..document })
     }
 }

@@ -142,6 +142,6 @@ pub(super) fn found(program: &Program, part: &Part, feature: &Feature, placement
     }
     let (kind, moves, points) = (feature.kind, [*first, *last], Vec::new());
     let Feature { setup, tool, side, gear, .. } = *feature;
-    let (to_part, normals) = (DMat3::IDENTITY, Vec::new());
-    Ok(Cut { kind, points, moves, normal, circle, setup, to_part, tool, side, gear, normals })
+    let (to_part, zero, normals) = (DMat3::IDENTITY, DVec3::ZERO, Vec::new());
+    Ok(Cut { kind, points, moves, normal, circle, setup, to_part, zero, tool, side, gear, normals })
 }

@@ -4,7 +4,8 @@
 //! PART.toml, program ─► points of the features, in the order in which they are cut
 //! point             = programmed point + error of the exact transforms, axes where the drives bring them
 //! y                 = characteristic of the features fitted to the points
-//! y(z)              ≈ y(0) + Σ_k ∂y/∂z_k z_k       z_k: the machine's uncertain quantities, of unit variance
+//! y(z)              ≈ y(0) + Σ_k ∂y/∂z_k z_k       z_k: the machine's uncertain quantities, of unit variance, correlated as
+//!                                                  stated
 //! ```
 //!
 //! The machine is the stated one. Uncorrected, the drives get the commands; corrected, the commands with the correction of the
@@ -35,6 +36,7 @@ mod kinds;
 mod live;
 mod locate;
 mod part;
+mod prepared;
 mod profile;
 mod room;
 mod run;
@@ -52,30 +54,26 @@ pub use advise::{
     Advice, Advised, AdvisedTask, Directed, Elsewhere, Instrument, InstrumentKind, Left, Measurement, Placed, Touching,
     advise, elsewhere,
 };
-pub use document::{Contribution, Known, PredictDocument, Predicted};
+pub use document::{Contribution, Known, PredictDocument, Predicted, Shape};
 pub use find::{Found, LeftOut, find, sections};
 pub use fixture::{Setup, Tool};
 pub use gear::{FlankDeviation, GearFlank};
 pub use inputs::{PartFiles, growth_model, own_task, thermal_beside};
-pub use live::{Live, There};
+pub use live::Live;
 pub use part::{Association, Characteristic, Feature, FeatureKind, Part, Side, Tolerance};
 pub use servo::ServoDocument;
-pub use shape::{Shape, shapes};
 pub use temperature::{
-    AxisGrowth, Expansion, Growth, GrowthModel, PartTemperature, SensorTemperature, Start, TEMPERATURES,
+    AxisGrowth, Expansion, Growth, GrowthModel, PartTemperature, SensorTemperature, SetupStart, Start, TEMPERATURES,
     TemperatureDocument, TemperatureRecord,
 };
 
-use crate::uncertainty::terms::Terms;
 use anyhow::{Result, bail};
-use cut::{Cut, Point, State};
+use cut::State;
 use document::Outcome;
-use fit::Nominal;
-use fixture::Moves;
-use std::cmp::Ordering;
-use temperature::Warm;
+use prepared::{Prepared, Servo};
 use trueaxis_metrology::cores::*;
-use trueaxis_sim::program::{Program, ProgramError};
+use trueaxis_metrology::uncertainty::Correlations;
+use trueaxis_sim::program::Program;
 use trueaxis_tables::Machine;
 use trueaxis_tables::uncertainty::Uncertainties;
 use unknowns::{Model, Unknown};
@@ -138,9 +136,6 @@ pub fn predict_with_servo(
     predicted((machine, stated), program, part, options, Some((rate_hz, on_progress)))
 }
 
-/// Servo rate, Hz, and what is told about the progress of the runs.
-type Servo<'s> = (f64, &'s mut dyn FnMut(u64, u64));
-
 fn predicted(
     (machine, stated): (&Machine, &Uncertainties),
     program: &Program,
@@ -152,124 +147,27 @@ fn predicted(
         bail!("trials: found {}, needed {CHECKED} to {MOST_TRIALS}", options.trials);
     }
     let mut prepared = Prepared::new(machine, stated, program, part)?;
-    let follow =
-        |(rate_hz, on_progress)| servo::follow((machine, program, part), &mut prepared.cuts, rate_hz, on_progress);
-    let servo = servo.map(follow).transpose()?;
+    let mut servo =
+        servo.map(|servo| prepared.follow((machine, stated), program, part, options.seed, servo)).transpose()?;
     let model = prepared.model(machine, part);
     let nothing = model.nothing();
-    let cut = |state: State| model.cut(&nothing, state);
-    let [uncorrected, corrected] = [cut(State::Uncorrected)?, cut(State::Corrected)?];
-    let everything = cut(State::Everything)?;
+    let points = |state: State| model.points(&nothing, state);
+    let points = [points(State::Uncorrected)?, points(State::Corrected)?, points(State::Everything)?];
+    let [uncorrected, corrected, everything] = points.each_ref().map(|points| model.values(points));
+    let [uncorrected, corrected, everything] = [uncorrected?, corrected?, everything?];
     let outcomes = if model.terms.all.is_empty() { Vec::new() } else { outcomes(&model, &everything, options)? };
+    let mut departure = (Vec::new(), 0);
+    if let Some(servo) = servo.as_mut().filter(|servo| !servo.drawn.is_empty()) {
+        departure = servo::departure(&model, &servo.drawn, &outcomes)?;
+        servo.document.departure = departure.0.iter().copied().reduce(f64::max);
+    }
     let values = [&uncorrected[..], &corrected, &everything];
-    let document = PredictDocument::new(&model, program, options, (values, servo), outcomes);
-    Ok(PredictDocument { temperature: prepared.temperature, ..document })
-}
-
-/// The features of a part on a machine, and what is not known of it.
-struct Prepared {
-    cuts: Vec<Cut>,
-    nominal: Vec<Nominal>,
-    terms: Terms,
-    moves: Vec<Moves>,
-    temperature: Option<TemperatureDocument>,
-}
-
-impl Prepared {
-    /// # Errors
-    /// As [`predict`].
-    fn new(machine: &Machine, stated: &Uncertainties, program: &Program, part: &Part) -> Result<Prepared> {
-        if part.tolerances.is_empty() {
-            bail!("{}: key tolerance: found nothing, needed at least one section [[tolerance]]", part.file.display());
-        }
-        let growth = part.growth_on(machine)?;
-        if let Some(setup) = part.setups.first().filter(|_| growth.as_ref().is_some_and(|of| of.is_recorded())) {
-            let found = format!("the set-up {}, a program of its own, with a record of temperatures", setup.name);
-            return Err(part.wrong(setup.line, found, "constant temperatures, machine_c, for several set-ups").into());
-        }
-        let warm = growth.as_deref().map(|growth| Warm::new(growth, (machine, part.at_mm), program)).transpose()?;
-        let (mut cuts, clipped) = run::features(machine, program, part, warm.as_ref())?;
-        settle_profiles(program, part, &mut cuts)?;
-        let nominal = nominal(program, part, &cuts)?;
-        characteristic::check(part, &nominal)?;
-        datums_first(part, &cuts)?;
-        let mut terms = Terms::stated(machine, stated);
-        terms.warnings.extend(clipped.notes(&machine.settings, "point"));
-        let temperature = temperature_of(&mut terms, (machine, stated), (part, &cuts), warm.as_ref())?;
-        let mut moves = Vec::new();
-        // Set-ups and tools alone allow no verdict on a machine of which nothing is known.
-        if !terms.all.is_empty() {
-            let (held, of_part) = fixture::moves(&part.setups, &part.tools);
-            moves = held;
-            terms.all.extend(of_part);
-        }
-        Ok(Prepared { cuts, nominal, terms, moves, temperature })
-    }
-
-    fn model<'m>(&'m self, machine: &'m Machine, part: &'m Part) -> Model<'m> {
-        Model { machine, part, cuts: &self.cuts, nominal: &self.nominal, terms: &self.terms, moves: &self.moves }
-    }
-}
-
-/// Adds what is not known of the temperatures to the terms; the temperatures as a document.
-fn temperature_of(
-    terms: &mut Terms,
-    known: (&Machine, &Uncertainties),
-    (part, cuts): (&Part, &[Cut]),
-    warm: Option<&Warm<'_>>,
-) -> Result<Option<TemperatureDocument>> {
-    let points = || cuts.iter().flat_map(|cut| &cut.points);
-    let span = warm.map(|warm| warm.span(points().map(|point| point.place))).transpose()?;
-    let growth = warm.map(|warm| warm.growth).zip(span);
-    temperature::add_terms(terms, known, growth, part.temperature.part.as_ref());
-    let by_place = |one: &&Point, other: &&Point| one.place.partial_cmp(&other.place).unwrap_or(Ordering::Equal);
-    let ends = [points().min_by(by_place), points().max_by(by_place)];
-    let at = ends.map(|point| point.map_or_else(Default::default, |point| point.uncorrected.sent));
-    Ok(temperature::document(growth, &part.temperature, at))
-}
-
-/// Points and normals of the profiles.
-fn settle_profiles(program: &Program, part: &Part, cuts: &mut [Cut]) -> Result<()> {
-    for (cut, feature) in cuts.iter_mut().zip(&part.features).filter(|(cut, _)| cut.kind == FeatureKind::Profile) {
-        profile::settle(cut).map_err(|(found, needed)| {
-            let program = part.program_of(feature.setup, program);
-            let line = program.moves.get(cut.moves[0]).map_or(0, |step| step.line);
-            ProgramError::new(&program.file, line, format!("{found}, in the lines of {}", feature.name), needed)
-        })?;
-    }
-    Ok(())
-}
-
-fn nominal(program: &Program, part: &Part, cuts: &[Cut]) -> Result<Vec<Nominal>> {
-    let of = |(cut, feature): (&Cut, &Feature)| {
-        Nominal::of(cut).map_err(|needed| {
-            let program = part.program_of(feature.setup, program);
-            let line = program.moves.get(cut.moves[0]).map_or(0, |step| step.line);
-            let what = match feature.kind {
-                FeatureKind::Flank | FeatureKind::Circle => "the lines of",
-                _ => "other lines among those of",
-            };
-            let found = format!("{what} {}", feature.name);
-            ProgramError::new(&program.file, line, found, needed).into()
-        })
-    };
-    cuts.iter().zip(&part.features).map(of).collect()
-}
-
-/// Refuses datums that are cut after a feature that refers to them.
-fn datums_first(part: &Part, cuts: &[Cut]) -> Result<()> {
-    for tolerance in part.tolerances.iter().filter(|one| one.characteristic != Characteristic::Distance) {
-        for datum in &tolerance.datums {
-            let (datum_cut, own_cut) = (&cuts[*datum], &cuts[tolerance.feature]);
-            if (datum_cut.setup, datum_cut.moves[1]) >= (own_cut.setup, own_cut.moves[0]) {
-                let [own, datum] = [tolerance.feature, *datum].map(|index| &part.features[index]);
-                let found = format!("the datum {}, cut in lines {} to {}", datum.name, datum.lines[0], datum.lines[1]);
-                let needed = format!("a datum that is made before {}, line {}", own.name, own.lines[0]);
-                return Err(part.wrong(tolerance.line, found, needed).into());
-            }
-        }
-    }
-    Ok(())
+    let servo = servo.map(|servo| servo.document);
+    let mut document = PredictDocument::new(&model, program, options, (values, servo), outcomes);
+    let titles: Vec<String> = document.features.iter().map(Predicted::title).collect();
+    document.warnings.extend(servo::notes(&titles, &departure.0, departure.1));
+    let shapes = shape::drawn(&model, points.each_ref().map(Vec::as_slice), &document);
+    Ok(PredictDocument { temperature: prepared.temperature, shapes, ..document })
 }
 
 /// Derivatives of all characteristics with respect to an unknown, and what it contributes to their standard uncertainties.
@@ -295,10 +193,16 @@ fn responses(model: &Model<'_>, unknowns: &[Unknown], at_zero: &[f64]) -> Result
     (0..unknowns.len()).into_par_iter().map(|k| response(model, &unknowns[k], at_zero)).collect()
 }
 
+fn correlations(model: &Model<'_>, unknowns: &[Unknown]) -> Correlations {
+    let of: Vec<usize> = unknowns.iter().map(|unknown| unknown.term).collect();
+    model.terms.correlated.of_quantities(model.terms, &of)
+}
+
 /// What the draws give for each tolerance.
 fn outcomes(model: &Model<'_>, at_zero: &[f64], Options { trials, seed }: Options) -> Result<Vec<Outcome>> {
     let unknowns = model.unknowns();
     let responses = responses(model, &unknowns, at_zero)?;
+    let correlations = correlations(model, &unknowns);
     let linear = |number: u64| -> Vec<f64> {
         let drawn = model.draw(seed, number);
         let mut values = at_zero.to_vec();
@@ -323,6 +227,10 @@ fn outcomes(model: &Model<'_>, at_zero: &[f64], Options { trials, seed }: Option
         let mut contributions = vec![0.0; model.terms.all.len()];
         for (unknown, response) in unknowns.iter().zip(&responses) {
             contributions[unknown.term] += response.contributions[index].powi(2);
+        }
+        let own: Vec<f64> = responses.iter().map(|response| response.derivatives[index]).collect();
+        for ((unknown, own), common) in unknowns.iter().zip(&own).zip(correlations.times(&own)) {
+            contributions[unknown.term] += own * (common - own);
         }
         Outcome { values: draws.iter().map(|values| values[index]).collect(), cut: differs, contributions }
     };

@@ -226,16 +226,18 @@ fn read_feature(section: Section<'_>, setups: &[Setup], tools: &[Tool]) -> Resul
     }
     let side = Side::read(&section, kind)?;
     let gear = if kind == FeatureKind::Flank { Some(GearFlank::read(&section)?) } else { None };
-    if let (Some(_), Some(setup)) = (&gear, setup) {
-        return Err(section.at(line, "setup", &setups[setup].name, "the first set-up, for a flank"));
-    }
-    let has_side = matches!(kind, FeatureKind::Circle | FeatureKind::Line);
-    if has_side && side.is_none() && tool.is_some_and(|tool| tools[tool].radius > 0.0) {
-        let words = if kind == FeatureKind::Circle {
-            "\"inside\" or \"outside\": where the tool is, since its diameter is uncertain"
-        } else {
+    let words = match kind {
+        FeatureKind::Circle => "\"inside\" or \"outside\": where the tool is, since its diameter is uncertain",
+        FeatureKind::Line => {
             "\"left\" or \"right\": where the material is along the path, since the tool's diameter is uncertain"
-        };
+        }
+        FeatureKind::Profile => {
+            "\"left\" or \"right\" along the path, \"below\" or \"above\" the tool: where the material is, since the \
+             tool's diameter is uncertain"
+        }
+        _ => "",
+    };
+    if !words.is_empty() && side.is_none() && tool.is_some_and(|tool| tools[tool].radius > 0.0) {
         return Err(section.missing_here("side", words));
     }
     section.finish(None)?;

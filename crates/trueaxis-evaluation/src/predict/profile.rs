@@ -10,6 +10,7 @@
 
 use super::circle::{NEAR, apart};
 use super::cut::{Cut, Point};
+use super::kinds::Side;
 use glam::DVec3;
 
 /// Points of a profile: mm between them, least and most of them.
@@ -22,9 +23,17 @@ const PLUNGE: f64 = 1e-9;
 /// Farthest neighbouring pass, as a share of the profile's extent.
 const NEIGHBOUR: f64 = 0.25;
 /// Directions of the six motions that are less than this share independent of the others are not determined.
-const DETERMINED: f64 = 1e-6;
+const DETERMINED: f64 = 1e-4;
 /// Length by which rotations are scaled, mm.
 const LENGTH: f64 = 100.0;
+
+/// Least distance of the second pass from a point at the end of a surface, as a multiple of that of the first.
+const BEYOND: f64 = 1.2;
+/// Distance below which a pass runs along an earlier one of a profile in a plane, mm: above the height of an arc between two
+/// points, below any step beside it.
+const RETRACED: f64 = 0.05;
+/// Cosine of the angle between a normal and the direction towards the material beyond which that is on neither side: 89°.
+const ASIDE: f64 = 0.017;
 
 /// What is wrong with the lines of a profile: found and needed.
 pub(super) type Wrong = (&'static str, &'static str);
@@ -32,7 +41,8 @@ pub(super) type Wrong = (&'static str, &'static str);
 /// Leaves a profile as many points as its evaluation needs, equally spaced, with their normals.
 ///
 /// # Errors
-/// A profile that is a straight line, or a pass in space without another beside it.
+/// A profile that is a straight line, or a pass in space without another beside it; a side that does not say where the
+/// material is.
 pub(super) fn settle(cut: &mut Cut) -> Result<(), Wrong> {
     let straight = ("a straight line", "a curve; kind = \"line\" is an edge");
     let mut places: Vec<DVec3> = cut.points.iter().map(|point| point.nominal).collect();
@@ -50,11 +60,14 @@ pub(super) fn settle(cut: &mut Cut) -> Result<(), Wrong> {
     let tangents = smoothed(&cut.points);
     let chosen = spaced(&places, &tangents);
     let extent = places.iter().map(|place| (*place - places[0]).length()).fold(0.0, f64::max);
+    let rows = Rows { places: &places, tangents: &tangents, farthest: NEIGHBOUR * extent, is_parallel: true };
     let is_flat = across.is_some();
     let normal = |k: &usize| match across {
         Some(across) => across.cross(tangents[*k]).try_normalize(),
-        None => beside(&places, *k, tangents[*k], NEIGHBOUR * extent)
-            .and_then(|way| tangents[*k].cross(way).try_normalize()),
+        None => {
+            let way = rows.beside(*k).or_else(|| Rows { is_parallel: false, ..rows }.beside(*k));
+            way.and_then(|way| tangents[*k].cross(way).try_normalize())
+        }
     };
     let single = (
         "one pass that is in no plane",
@@ -62,9 +75,61 @@ pub(super) fn settle(cut: &mut Cut) -> Result<(), Wrong> {
     );
     let normals = chosen.iter().map(normal).collect::<Option<Vec<DVec3>>>();
     let normals = normals.ok_or(if is_flat { ("moves without a length", "a curve") } else { single })?;
-    cut.points = chosen.iter().map(|k| cut.points[*k].clone()).collect();
+    cut.points = chosen.iter().map(|k| Point { tangent: tangents[*k], ..cut.points[*k].clone() }).collect();
     cut.normals = normals;
+    match cut.side {
+        Some(side) => larger(cut, side, is_flat),
+        None => Ok(()),
+    }
+}
+
+/// How a larger tool moves the surface at the points. The side of a tool moves it along the normal. A ball, whose length ends
+/// at its tip, leaves it there and moves it the more, the steeper it is.
+fn larger(cut: &mut Cut, side: Side, is_flat: bool) -> Result<(), Wrong> {
+    let is_along = matches!(side, Side::Left | Side::Right);
+    let other = ("a pass in the other direction", "one direction, since left and right are seen along the path");
+    if is_along && is_flat && is_retraced(&cut.points) {
+        return Err(other);
+    }
+    let mut before: Option<DVec3> = None;
+    for (point, normal) in cut.points.iter_mut().zip(&cut.normals) {
+        let left = cut.normal.cross(point.tangent).normalize_or_zero();
+        let material = match side {
+            Side::Right => -left,
+            Side::Above => point.pointing,
+            Side::Below => -point.pointing,
+            Side::Left | Side::Inside | Side::Outside => left,
+        };
+        let share = normal.dot(material);
+        if share.abs() < ASIDE {
+            return Err(if is_along {
+                ("a normal across both sides of the path", "side = \"below\" or \"above\": on the tool's end")
+            } else {
+                (
+                    "a wall along the tool, which is neither below nor above it",
+                    "side = \"left\" or \"right\" of the path",
+                )
+            });
+        }
+        let into = *normal * share.signum();
+        if is_along && !is_flat && before.is_some_and(|before| before.dot(into) < -SMOOTH) {
+            return Err(other);
+        }
+        before = Some(into);
+        point.larger = if is_along { into } else { point.pointing + into };
+    }
     Ok(())
+}
+
+/// Whether a pass goes back along itself.
+fn is_retraced(points: &[Point]) -> bool {
+    let is_back = |k: usize, pair: &[Point]| {
+        let (from, way) = (pair[0].nominal, pair[1].nominal - pair[0].nominal);
+        let away = points[k].nominal - from;
+        let share = (away.dot(way) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        points[k].tangent.dot(way) < -SMOOTH * way.length() && away.distance(share * way) < RETRACED
+    };
+    (2..points.len()).any(|k| points[..k].windows(2).any(|pair| is_back(k, pair)))
 }
 
 /// The normal of the plane that all points are in; `Some(None)` if they are in none, `None` if they are on a line.
@@ -121,29 +186,54 @@ fn spaced(places: &[DVec3], tangents: &[DVec3]) -> Vec<usize> {
     chosen
 }
 
-/// The way to the neighbouring passes, across the pass: between those on both sides if there are two.
-fn beside(places: &[DVec3], of: usize, tangent: DVec3, farthest: f64) -> Option<DVec3> {
-    let nearest = |is_side: &dyn Fn(DVec3) -> bool| {
-        let mut best: Option<DVec3> = None;
-        for place in places {
-            let away = *place - places[of];
+/// Passes side by side.
+#[derive(Clone, Copy)]
+struct Rows<'p> {
+    places: &'p [DVec3],
+    tangents: &'p [DVec3],
+    /// Farthest neighbour, mm.
+    farthest: f64,
+    /// Whether a neighbour has to be on a pass in about the same direction, not on the way from one to the next.
+    is_parallel: bool,
+}
+
+impl Rows<'_> {
+    /// The way to the neighbouring passes, across the pass: the direction at the point of the parabola through it and a pass
+    /// on each side, at the end of the surface the next two. With one neighbour alone, the way to that.
+    fn beside(&self, of: usize) -> Option<DVec3> {
+        let (next, one) = self.nearest(of, of, None)?;
+        let other = self.nearest(of, of, Some(-one)).or_else(|| {
+            let beyond = self.nearest(of, next, Some(one)).filter(|_| self.is_parallel)?;
+            (beyond.1.length() > BEYOND * one.length()).then_some(beyond)
+        });
+        Some(other.map_or(one, |(_, other)| {
+            let ratio = other.length() / one.length();
+            one * ratio - other / ratio
+        }))
+    }
+
+    /// The point nearest to `from` on a pass beside it, on the side of a direction if there is one, and the way from `of` to
+    /// that pass, across the one of `of`.
+    fn nearest(&self, of: usize, from: usize, side: Option<DVec3>) -> Option<(usize, DVec3)> {
+        let along = self.tangents[of];
+        let mut best: Option<(usize, f64)> = None;
+        for (k, place) in self.places.iter().enumerate() {
+            let away = *place - self.places[from];
             // Within 45° of the direction across: the points of the own pass are along it.
-            let across = away.reject_from_normalized(tangent);
+            let across = away.reject_from_normalized(along);
             let (square, way) = (away.length_squared(), across.length_squared());
-            let is_near = best.is_none_or(|best| square < best.length_squared());
-            if is_near && way > 0.5 * square && way > NEAR * NEAR && is_side(across) {
-                best = Some(away);
+            let is_near = best.is_none_or(|(_, best)| square < best) && way > 0.5 * square && way > NEAR * NEAR;
+            let is_side = side.is_none_or(|side| across.dot(side) > 0.7 * across.length() * side.length());
+            if is_near && is_side && (!self.is_parallel || self.tangents[k].dot(along).abs() > 0.7) {
+                best = Some((k, square));
             }
         }
-        best.filter(|away| away.length() <= farthest).map(|away| away.reject_from_normalized(tangent))
-    };
-    let one = nearest(&|_| true)?;
-    let is_other = |across: DVec3| across.dot(one) < -0.7 * across.length() * one.length();
-    // The parabola through the three: its direction in the middle one.
-    Some(nearest(&is_other).map_or(one, |other| {
-        let ratio = other.length() / one.length();
-        one * ratio - other / ratio
-    }))
+        let (k, _) = best.filter(|(_, square)| *square <= self.farthest * self.farthest)?;
+        let (away, tangent) = (self.places[k] - self.places[of], self.tangents[k]);
+        // Opposite the point, where the pass is straight between its points.
+        let opposite = if self.is_parallel { tangent * (away.dot(along) / tangent.dot(along)) } else { DVec3::ZERO };
+        Some((k, (away - opposite).reject_from_normalized(along)))
+    }
 }
 
 /// A profile as programmed.

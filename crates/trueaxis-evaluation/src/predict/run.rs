@@ -58,7 +58,7 @@ pub(super) fn features(
                 .into());
         }
         let program = part.program_of(setup, program);
-        let of_setup = in_setup(machine, program, part, &features, (&placement, warm), &mut clipped)?;
+        let of_setup = in_setup(machine, program, part, (setup, &features), (&placement, warm), &mut clipped)?;
         for (index, mut cut) in indices.into_iter().zip(of_setup) {
             if let Some(held) = held {
                 cut.place(held.to_part(), DVec3::from(held.zero_mm));
@@ -74,11 +74,13 @@ fn in_setup(
     machine: &Machine,
     program: &Program,
     part: &Part,
-    features: &[&Feature],
+    (setup, features): (Option<usize>, &[&Feature]),
     (placement, warm): (&Placement, Option<&Warm<'_>>),
     clipped: &mut Clipped,
 ) -> Result<Vec<Cut>> {
     program.check_axes(&machine.settings)?;
+    let held = setup.and_then(|setup| part.setups.get(setup));
+    let at = held.map_or_else(|| String::from("at_mm"), |held| format!("at_mm of the set-up {}", held.name));
     let found = |feature: &&Feature| locate::found(program, part, feature, placement);
     let mut cuts = features.iter().map(found).collect::<Result<Vec<_>>>()?;
     let spacings: Vec<f64> = cuts.iter().map(|cut| spacing(program, cut, placement)).collect();
@@ -98,9 +100,9 @@ fn in_setup(
             };
             for u in parameters {
                 let command = placement.axes(step, u);
-                within_travel(machine, program, step, &command)?;
+                within_travel(machine, program, step, &command, &at)?;
                 let place = (index, u);
-                let growth = warm.map(|warm| warm.at(place)).unwrap_or_default();
+                let growth = warm.map(|warm| warm.at((setup, place))).unwrap_or_default();
                 let Arrived { uncorrected, corrected, wanted, warm } = drives.reach(command, &growth)?;
                 if is_feature {
                     clipped.add(&machine.settings, &command, &wanted);
@@ -112,10 +114,13 @@ fn in_setup(
                     let point = Point {
                         nominal,
                         tangent,
+                        larger: DVec3::ZERO,
                         joint,
+                        command,
                         uncorrected,
                         corrected,
                         everything,
+                        drives: Vec::new(),
                         ideal,
                         place,
                         warm,
@@ -143,7 +148,8 @@ fn has_linear(machine: &Machine) -> Result<()> {
     Ok(())
 }
 
-fn within_travel(machine: &Machine, program: &Program, step: &Move, command: &[f64; AXES]) -> Result<()> {
+/// `at`: the key that states where the part is.
+fn within_travel(machine: &Machine, program: &Program, step: &Move, command: &[f64; AXES], at: &str) -> Result<()> {
     // A rotary axis that the program does not turn stays where it is.
     let counted = |axis: Axis| !axis.is_rotary() || program.is_five_axis();
     for own in machine.settings.axes.iter().filter(|own| counted(own.axis)) {
@@ -151,7 +157,7 @@ fn within_travel(machine: &Machine, program: &Program, step: &Move, command: &[f
         if q < low || q > high {
             let unit = if own.axis.is_rotary() { "degrees" } else { "mm" };
             let found = format!("axis {} at {q:.3} {unit}", own.axis.letter());
-            let needed = format!("within its travel, {low} to {high} {unit}, with the part at at_mm");
+            let needed = format!("within its travel, {low} to {high} {unit}, with the part at {at}");
             return Err(ProgramError::new(&program.file, step.line, found, needed).into());
         }
     }
@@ -200,11 +206,13 @@ fn to_end(step: &Move, placement: &Placement) -> Vec<f64> {
     (1..=count as usize).map(|k| first + (last - first) * k as f64 / count).collect()
 }
 
-/// Direction of the tip's path on the workpiece.
+/// Direction of the tip's path on the workpiece. Of the second order: turned by as little as half of a step, the normals of a
+/// full circle would make its size a rotation.
 fn tangent(step: &Move, u: f64, placement: &Placement) -> DVec3 {
     let (first, last) = step.curve.domain();
-    let [before, after] = [u - AROUND * (last - first), u].map(|u| placement.place(step, u).tip);
-    (after - before).normalize_or_zero()
+    let [here, before, earlier] =
+        [0.0, 1.0, 2.0].map(|steps| placement.place(step, u - steps * AROUND * (last - first)).tip);
+    (4.0 * (here - before) - (here - earlier)).normalize_or_zero()
 }
 
 /// Whether a move cuts along a line.

@@ -1,62 +1,15 @@
 //! The features as a picture: programmed points with their deviations.
 
-use super::cut::State;
 use super::part::FeatureKind;
 use super::unknowns::Model;
-use super::{PredictDocument, Predicted, Prepared};
-use anyhow::Result;
+use super::{PredictDocument, Predicted, Shape};
 use glam::DVec3;
-use serde::Serialize;
-use trueaxis_sim::program::Program;
-use trueaxis_tables::Machine;
-use trueaxis_tables::uncertainty::Uncertainties;
 
 /// Most points of a feature in a picture.
 const MOST: usize = 73;
 
-/// A feature as a picture draws it.
-#[derive(Clone, Debug, Serialize)]
-pub struct Shape {
-    /// Name of the feature.
-    pub feature: String,
-    /// Its kind, as a part's file names it.
-    pub kind: &'static str,
-    /// Whether the last point joins the first: a full circle.
-    pub closed: bool,
-    /// Programmed points in coordinates of the program, in the order in which they are cut, mm.
-    pub points_mm: Vec<[f64; 3]>,
-    /// Deviations of the points without correction, µm.
-    pub uncorrected_um: Vec<[f64; 3]>,
-    /// Deviations of the points with the machine's correction, µm.
-    pub corrected_um: Vec<[f64; 3]>,
-    /// Worst verdict of its characteristics, in the words of [`Known::verdict`](super::Known::verdict); `null` without
-    /// tolerances or uncertainties.
-    pub verdict: Option<&'static str>,
-    /// Largest share of a tolerance that is used ([`Predicted::used`]); `null` without tolerances.
-    pub used: Option<f64>,
-}
-
-/// The features of a predicted part as a picture, in the order of the part.
-///
-/// # Errors
-/// As [`predict`](super::predict()).
-pub fn shapes(
-    machine: &Machine,
-    stated: &Uncertainties,
-    program: &Program,
-    part: &super::Part,
-    document: &PredictDocument,
-) -> Result<Vec<Shape>> {
-    let prepared = Prepared::new(machine, stated, program, part)?;
-    let model = prepared.model(machine, part);
-    let nothing = model.nothing();
-    let states = [State::Uncorrected, State::Corrected];
-    let [uncorrected, corrected] = states.map(|state| model.points(&nothing, state));
-    Ok(drawn(&model, [&uncorrected?, &corrected?], document))
-}
-
-/// The shapes from the points of all features, without and with correction.
-pub(super) fn drawn(model: &Model<'_>, cut: [&[Vec<DVec3>]; 2], document: &PredictDocument) -> Vec<Shape> {
+/// The shapes from the points of all features, uncorrected, corrected and with everything on.
+pub(super) fn drawn(model: &Model<'_>, cut: [&[Vec<DVec3>]; 3], document: &PredictDocument) -> Vec<Shape> {
     let of_feature = |index: usize| {
         let (feature, own) = (&model.part.features[index], &model.cuts[index]);
         let nominal = |k: usize| own.points[k].nominal;
@@ -76,6 +29,7 @@ pub(super) fn drawn(model: &Model<'_>, cut: [&[Vec<DVec3>]; 2], document: &Predi
             points_mm: shown.iter().map(|k| nominal(*k).to_array()).collect(),
             uncorrected_um: deviations(cut[0]),
             corrected_um: deviations(cut[1]),
+            everything_um: document.servo.as_ref().map(|_| deviations(cut[2])),
             verdict: verdicts.max_by_key(|verdict| {
                 ["conforms", "undecided", "does not conform"].iter().position(|of| of == verdict)
             }),

@@ -83,8 +83,12 @@ impl PredictDocument {
             [true, false] => Some("temperature of the part"),
             [false, true] => Some("temperature of the machine"),
         };
-        let servo = if self.servo.is_some() { "uncertainty of the drives" } else { "servo" };
-        [Some(servo), temperature, Some("bending")].into_iter().flatten().collect::<Vec<_>>().join(", ")
+        let servo = match &self.servo {
+            None => Some("servo"),
+            Some(of) if of.figures.is_empty() => Some("uncertainty of the drives"),
+            Some(_) => None,
+        };
+        [servo, temperature, Some("bending")].into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 
     fn verdicts(&self) -> Table {

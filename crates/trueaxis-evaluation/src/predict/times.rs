@@ -31,6 +31,9 @@ impl Times {
     /// # Errors
     /// A program that cannot be planned.
     pub(super) fn of(machine: &Machine, program: &Program, at_mm: [f64; 3]) -> Result<Times> {
+        if program.moves.is_empty() {
+            return Ok(Times { reached: Vec::new() });
+        }
         let placement =
             Placement::new(machine, at_mm).map_err(|error| anyhow!("{}: {error}", machine.settings.name))?;
         let rapid_mm_per_min = rapid_mm_per_min(machine);
@@ -46,11 +49,15 @@ impl Times {
         Ok(Times { reached: timed.step_by(every).collect() })
     }
 
+    /// Time at the end, s.
+    pub(super) fn end_s(&self) -> f64 {
+        self.reached.last().map_or(0.0, |(_, _, time)| *time)
+    }
+
     /// Time at a parameter on a move, s.
     pub(super) fn at(&self, step: usize, u: f64) -> f64 {
         let after = self.reached.partition_point(|(own, at, _)| (*own, *at) < (step, u));
-        let end = self.reached.last().map_or(0.0, |(_, _, time)| *time);
-        let Some((own, high, late)) = self.reached.get(after) else { return end };
+        let Some((own, high, late)) = self.reached.get(after) else { return self.end_s() };
         match after.checked_sub(1).and_then(|before| self.reached.get(before)) {
             Some((before, low, early)) if before == own && high > low => {
                 early + (late - early) * (u - low) / (high - low)

@@ -25,7 +25,7 @@ pub(super) struct Model<'m> {
     pub(super) cuts: &'m [Cut],
     pub(super) nominal: &'m [Nominal],
     pub(super) terms: &'m Terms,
-    /// What the terms of set-ups and tools move, in their order.
+    /// What the terms of set-ups, tools and drives move, in their order.
     pub(super) moves: &'m [Moves],
 }
 
@@ -169,12 +169,14 @@ impl Model<'_> {
         let geometry = Geometry::new(&machine, 0.0).map_err(|error| anyhow!("{error}"))?;
         let measured = part_length(self.part.temperature.part.as_ref(), self.terms, &drawn.values);
         let held: Vec<f64> = self.held(drawn);
+        let of_drives = self.moves.iter().zip(&held).filter(|(of, _)| matches!(of, Moves::Drive));
+        let drives: Vec<f64> = of_drives.map(|(_, z)| *z).collect();
         let of_feature = |(feature, (cut, nominal)): (usize, (&Cut, &Nominal))| {
             let scattered = self.approach(drawn, feature);
             let along = || along.iter().chain(&scattered);
             let moved = Moved::of(self.moves, &held, &self.part.setups, cut);
             let at = |point: &Point| {
-                let error = cut.to_part * point.error(self.machine, &geometry, state, along());
+                let error = cut.to_part * point.error(self.machine, &geometry, state, along(), &drives);
                 measured * (point.nominal + error + moved.of_point(point, cut, nominal))
             };
             cut.points.iter().map(at).collect()
@@ -201,11 +203,15 @@ impl Model<'_> {
         self.part.tolerances.iter().map(of).collect()
     }
 
-    /// Values of the quantities of set-ups and tools.
+    /// Indices of the terms of set-ups, tools and drives.
+    pub(super) fn part_terms(&self) -> impl Iterator<Item = usize> + '_ {
+        let is_part = |(index, term): (usize, &Term)| matches!(term.effect, Effect::Part).then_some(index);
+        self.terms.all.iter().enumerate().filter_map(is_part)
+    }
+
+    /// Values of the quantities of set-ups, tools and drives.
     fn held(&self, drawn: &Drawn) -> Vec<f64> {
-        let is_held = |(term, _): &(&Term, _)| matches!(term.effect, Effect::Part);
-        let values = self.terms.all.iter().zip(&drawn.values).filter(is_held);
-        values.map(|(_, values)| values.first().copied().unwrap_or(0.0)).collect()
+        self.part_terms().map(|term| drawn.values[term].first().copied().unwrap_or(0.0)).collect()
     }
 
     /// Errors of the axes along themselves in the approach of a feature.

@@ -91,11 +91,12 @@ pub struct Spread {
 pub struct Share {
     /// Name of the quantity.
     pub term: String,
-    /// Root mean square over the working volume of its contribution to the standard uncertainty.
+    /// Root mean square over the working volume of its contribution to the standard uncertainty, by itself.
     pub rms_um: f64,
-    /// Share of the variance over the working volume, 0 … 1.
+    /// Share of the variance over the working volume: of a correlated quantity with half of what it has in common with each
+    /// other one, which may be negative. All shares add up to 1.
     pub share: f64,
-    /// Contribution at the worst point.
+    /// Contribution at the worst point, by itself.
     pub worst_um: f64,
 }
 
@@ -171,19 +172,33 @@ impl AtPoint {
 pub(super) fn shares(terms: &Terms, volume: &[Vec<Contribution>], worst: &[Contribution]) -> Vec<Share> {
     let variance = |term: usize| volume.iter().filter_map(|all| all.get(term)).map(Contribution::variance).sum::<f64>();
     let variances: Vec<f64> = (0..terms.all.len()).map(variance).collect();
-    let whole: f64 = variances.iter().sum();
+    let parts = parts(terms, volume);
+    let whole: f64 = parts.iter().sum();
     let mut shares: Vec<Share> = terms
         .all
         .iter()
-        .zip(variances)
+        .zip(variances.into_iter().zip(parts))
         .zip(worst)
-        .map(|((term, variance), worst)| Share {
+        .map(|((term, (variance, part)), worst)| Share {
             term: term.name.clone(),
             rms_um: 1e3 * (variance / volume.len().max(1) as f64).sqrt(),
-            share: if whole > 0.0 { variance / whole } else { 0.0 },
+            share: if whole > 0.0 { part / whole } else { 0.0 },
             worst_um: 1e3 * worst.variance().sqrt(),
         })
         .collect();
     trueaxis_metrology::order::sort_by_number(&mut shares, |one| -one.share);
     shares
+}
+
+/// Parts of all terms in the variance: s · Σ r s.
+fn parts(terms: &Terms, volume: &[Vec<Contribution>]) -> Vec<f64> {
+    let mut parts = vec![0.0; terms.all.len()];
+    for all in volume {
+        for along in 0..3 {
+            let own: Vec<f64> = all.iter().map(|one| one.vector[along]).collect();
+            let common = terms.correlated.terms.times(&own);
+            parts.iter_mut().zip(own.iter().zip(common)).for_each(|(part, (own, common))| *part += own * common);
+        }
+    }
+    parts
 }

@@ -1,7 +1,8 @@
 //! Uncertainty of the corrected position: the uncertainty of a machine's figures, propagated to the tip.
 //!
 //! ```text
-//! d(q) = Σ_k s_k(q) z_k           z_k independent, of unit variance
+//! d(q) = Σ_k s_k(q) z_k           z_k of unit variance, independent but for stated coefficients r_kl
+//! Σ = Σ_kl r_kl s_k s_lᵀ          share of k in the variance: s_k · Σ_l r_kl s_l, over all
 //! s = J_i (a + b (q_i − q_0))     along an axis: scale, temperature, lost motion, scatter of approaches; summed where common
 //! s = J_ic √(Σ_j (w_j(q_i) u_j)²) points of a column c of axis i, w_j the derivative of the interpolation
 //! s = J_l u                       location errors
@@ -18,6 +19,7 @@
 //! Sources: JCGM 100:2008, 5.1.2; JCGM 101:2008, clause 7; ISO/TR 230-9:2005 for the terms of an instrument.
 
 mod bands;
+mod correlated;
 mod covariance;
 mod document;
 pub(crate) mod monte_carlo;
@@ -75,7 +77,8 @@ pub fn evaluate(machine: &Machine, stated: &Uncertainties, options: &Options) ->
     let responses = Responses::of(machine, &terms, &places)?;
     let contributions: Vec<Vec<Contribution>> =
         (0..places.len()).map(|place| responses.contributions(machine, &terms, place, &places[place])).collect();
-    let covariances: Vec<Covariance> = contributions.iter().map(|all| Covariance::of(all)).collect();
+    let covariances: Vec<Covariance> =
+        contributions.iter().map(|all| Covariance::of(all, &terms.correlated.terms)).collect();
     let radii: Vec<f64> = covariances.iter().map(|covariance| covariance.radius(options.coverage)).collect();
     let worst = (0..over_volume).max_by(|a, b| radii[*a].total_cmp(&radii[*b])).unwrap_or(0);
     let wanted: Vec<usize> = std::iter::once(worst).chain(options.at.map(|_| over_volume)).collect();
@@ -98,8 +101,8 @@ pub fn evaluate(machine: &Machine, stated: &Uncertainties, options: &Options) ->
         .iter()
         .filter(|own| !own.axis.is_rotary())
         .map(|own| (own.axis.letter().to_string(), serde_json::json!(grid.range[own.axis.index()])));
-    let variance = |all: &[Contribution]| all.iter().map(Contribution::variance).sum::<f64>();
-    let whole: f64 = contributions[..over_volume].iter().map(|all| variance(all)).sum();
+    let variance = |covariance: &Covariance| covariance.standard().iter().map(|own| own * own).sum::<f64>();
+    let whole: f64 = covariances[..over_volume].iter().map(variance).sum();
     let [nx, ny, _] = grid.points;
     let layer = worst / (nx * ny);
     Ok(UncertaintyDocument {

@@ -64,19 +64,35 @@ pub(super) fn draw(
 }
 
 /// Values of the quantities in units of their standard uncertainties, in the order of the terms: one for each, and one for
-/// every point of a column.
+/// every point of a column. Correlated ones are as [`Correlations`] draws them.
+///
+/// [`Correlations`]: trueaxis_metrology::uncertainty::Correlations
 pub(crate) fn values(terms: &Terms, draws: &mut Draws) -> Vec<Vec<f64>> {
-    let of = |term: &Term| {
+    let mut spreads = vec![1.0; terms.all.len()];
+    let of = |(term, own): (&Term, &mut f64)| {
         let nu = term.degrees_of_freedom;
         match &term.effect {
             Effect::Points { of, .. } => {
                 let spread = draws.spread(nu);
                 of.iter().map(|_| spread * draws.normal()).collect()
             }
-            Effect::Along(_) | Effect::Cosine(..) | Effect::Location(..) | Effect::Part => vec![draws.student(nu)],
+            Effect::Along(_) | Effect::Cosine(..) | Effect::Location(..) | Effect::Part => {
+                let normal = draws.normal();
+                *own = draws.spread(nu);
+                vec![normal]
+            }
         }
     };
-    terms.all.iter().map(of).collect()
+    let mut values: Vec<Vec<f64>> = terms.all.iter().zip(&mut spreads).map(of).collect();
+    let correlations = &terms.correlated.terms;
+    if !correlations.is_empty() {
+        let independent: Vec<f64> = values.iter().map(|values| values.first().copied().unwrap_or(0.0)).collect();
+        let mixed = correlations.mixed(&independent);
+        correlations.groups().flatten().for_each(|term| values[*term] = vec![mixed[*term]]);
+        spreads = (0..spreads.len()).map(|term| spreads[correlations.first(term)]).collect();
+    }
+    values.iter_mut().zip(spreads).for_each(|(values, spread)| values.iter_mut().for_each(|value| *value *= spread));
+    values
 }
 
 /// The machine with its quantities shifted by these [`values`]; errors of the axes along themselves are returned separately.

@@ -4,6 +4,7 @@ use crate::contributions::Source;
 use crate::model::range;
 use anyhow::{Result, bail};
 use trueaxis::machine::{Axis, AxisSettings};
+use trueaxis_metrology::uncertainty::{Correlations, Pair};
 use trueaxis_tables::uncertainty::{AxisUncertainty, Instrument, Uncertainties};
 use trueaxis_tables::{Machine, Table};
 
@@ -44,7 +45,7 @@ pub(crate) enum Effect {
     Points { axis: Axis, component: usize, of: Vec<f64> },
     /// A location error: standard uncertainty, mm or rad.
     Location(Source, f64),
-    /// Of a part's set-up or tool, not of the machine.
+    /// Of a part's set-up or tool, or of a drive, whose effect the points of the part have.
     #[cfg_attr(not(feature = "simulation"), expect(dead_code, reason = "predicted parts alone have it"))]
     Part,
 }
@@ -57,9 +58,20 @@ pub(crate) struct Term {
     pub(crate) degrees_of_freedom: f64,
 }
 
+/// The correlated terms.
+#[derive(Default)]
+pub(crate) struct Correlated {
+    pub(super) pairs: Vec<Pair>,
+    /// Of the terms in their order.
+    pub(crate) terms: Correlations,
+}
+
 /// All uncertain quantities of a machine.
 pub(crate) struct Terms {
     pub(crate) all: Vec<Term>,
+    /// Full keys of terms with their indices.
+    pub(crate) keys: Vec<(String, usize)>,
+    pub(crate) correlated: Correlated,
     /// Keys without a value, which count as zero.
     pub(crate) not_stated: Vec<String>,
     pub(crate) warnings: Vec<String>,
@@ -88,7 +100,8 @@ impl Terms {
     /// # Errors
     /// No uncertainty above zero.
     pub(crate) fn new(machine: &Machine, stated: &Uncertainties) -> Result<Terms> {
-        let terms = Terms::stated(machine, stated);
+        let mut terms = Terms::stated(machine, stated);
+        terms.correlate(&stated.correlations);
         if terms.all.is_empty() {
             bail!(
                 "{}: found no standard uncertainty above zero, needed [uncertainty], [uncertainty.location] or \
@@ -99,9 +112,15 @@ impl Terms {
         Ok(terms)
     }
 
-    /// The quantities, none if nothing above zero is stated.
+    /// The quantities, none if nothing above zero is stated; not yet [correlated](Terms::correlate).
     pub(crate) fn stated(machine: &Machine, stated: &Uncertainties) -> Terms {
-        let mut terms = Terms { all: Vec::new(), not_stated: Vec::new(), warnings: Vec::new() };
+        let mut terms = Terms {
+            all: Vec::new(),
+            keys: Vec::new(),
+            correlated: Correlated::default(),
+            not_stated: Vec::new(),
+            warnings: Vec::new(),
+        };
         terms.instrument(machine, &stated.instrument);
         let unstated: Vec<AxisUncertainty> =
             machine.settings.axes.iter().map(|own| AxisUncertainty::unstated(own.axis)).collect();
@@ -137,7 +156,10 @@ impl Terms {
         match value {
             None => self.not_stated.push(key),
             Some(0.0) => {}
-            Some(value) => self.all.push(Term { name, effect: effect(value), degrees_of_freedom: of }),
+            Some(value) => {
+                self.keys.push((key, self.all.len()));
+                self.all.push(Term { name, effect: effect(value), degrees_of_freedom: of });
+            }
         }
     }
 

@@ -10,9 +10,9 @@ use trueaxis_evaluation::predict::{Advice, Options, Part, advise, predict};
 use trueaxis_evaluation::simulated::rehearsal::{Conditions, Drift, calibrate};
 use trueaxis_metrology::linear_fit::LinearFit;
 use trueaxis_sim::program::Program;
-use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
-use trueaxis_tables::uncertainty::Uncertainties;
+use trueaxis_tables::uncertainty::{Correlation, Uncertainties};
+use trueaxis_tables::{Additions, Machine};
 use trueaxis_testing::noise::Noise;
 use trueaxis_testing::scatter::normal;
 
@@ -92,6 +92,7 @@ fn the_foreseen_uncertainty_is_that_after_a_simulated_calibration() {
     assert!(LINEAR.iter().all(|index| advice.features[*index].after_um < 0.5 * advice.features[*index].before_um));
     let task = Task::read(&advice.task.as_ref().unwrap().text("mill"), Path::new("task.toml")).unwrap();
     let (steps, _) = plate();
+    let (mut deviations, mut stated) = (Vec::new(), Vec::new());
     let values = (0..MACHINES).map(|number| {
         let mut noise = Noise::new(9000 + number as u64);
         let drawn = Errors::stated().drawn(&KNOWN, &mut noise);
@@ -100,7 +101,10 @@ fn the_foreseen_uncertainty_is_that_after_a_simulated_calibration() {
         let log = calibrate(&task, &machine, &machine_of(&drawn), &conditions).unwrap();
         let (_, found) = solved(&task, &machine, &log, Path::new("probe.log"), |_| {}).unwrap();
         let memory = Memory::new(files.clone());
-        let edited = found.additions(&task).edit(&memory, Path::new("machine.toml")).unwrap();
+        let additions = found.additions(&task);
+        deviations.push(deviations_of(&additions, &drawn));
+        stated.push(additions.correlations.clone());
+        let edited = additions.edit(&memory, Path::new("machine.toml")).unwrap();
         let mut after = files.clone();
         for (name, text) in edited.files {
             let name = name.display().to_string();
@@ -111,7 +115,33 @@ fn the_foreseen_uncertainty_is_that_after_a_simulated_calibration() {
         let places = run(&steps, AT, &errors_of(&after), true);
         measure(&cut(&places, AT, &drawn, &approaches(COUNT, &KNOWN, &mut noise)))
     });
-    compare(&advice, &values.collect::<Vec<_>>());
+    let values: Vec<Vec<f64>> = values.collect();
+    compare(&advice, &values);
+    compare_coefficients(&deviations, &stated);
+}
+
+/// Found less true: scales of X and Y, squareness of X and Y, in units of 1e-6.
+fn deviations_of(additions: &Additions, drawn: &Errors) -> V {
+    let found = |key: &str| additions.findings.iter().find(|own| own.key == key).unwrap().found.value;
+    let c0y = 1e6 * (drawn.square[2] - Errors::stated().square[2]);
+    let [x, y] = [0, 1].map(|axis| 1e6 * drawn.scale[axis]);
+    [found("axis.X.scale_ppm") - x, found("axis.Y.scale_ppm") - y, found("location.C0Y_urad") - c0y]
+}
+
+/// Coefficients that `calibrate solve` writes against those of its deviations over all machines.
+fn compare_coefficients(deviations: &[V], stated: &[Vec<Correlation>]) {
+    let keys = ["axis.X.scale_ppm", "axis.Y.scale_ppm", "location.C0Y_urad"];
+    let mean = |part: &dyn Fn(&V) -> f64| deviations.iter().map(part).sum::<f64>() / deviations.len() as f64;
+    let means: V = std::array::from_fn(|i| mean(&|of| of[i]));
+    let covariance = |i: usize, j: usize| mean(&|of| (of[i] - means[i]) * (of[j] - means[j]));
+    for [i, j] in [[0, 1], [0, 2], [1, 2]] {
+        let own = |own: &&Correlation| own.between.contains(&keys[i].into()) && own.between.contains(&keys[j].into());
+        let of = |all: &Vec<Correlation>| all.iter().find(own).unwrap().coefficient;
+        let stated = stated.iter().map(of).sum::<f64>() / stated.len() as f64;
+        let found = covariance(i, j) / (covariance(i, i) * covariance(j, j)).sqrt();
+        println!("{} and {}: written {stated:.3}, scatter {found:.3}", keys[i], keys[j]);
+        assert!((stated - found).abs() < 0.25, "{} and {}: {stated} for {found}", keys[i], keys[j]);
+    }
 }
 
 /// Readings of the plant around a circle, and the squareness and scales that a fit finds in them, beside what is known.

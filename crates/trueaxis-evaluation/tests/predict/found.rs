@@ -39,6 +39,10 @@ fn found(text: &str) -> Vec<String> {
 fn chords_are_a_circle_a_polygon_or_a_free_form() {
     let text = |points: &[[f64; 3]]| format!("{HEAD}{}M2\n", pass(points));
     assert_eq!(found(&text(&circle(20.0, -5.0, 72, 72))), ["circle 1 5-76"]);
+    // Tilted by 10 degrees, in no plane of G17 to G19.
+    let (sine, cosine) = 10_f64.to_radians().sin_cos();
+    let tilted: Vec<_> = circle(20.0, -5.0, 72, 80).iter().map(|[x, y, z]| [*x, y * cosine, z - y * sine]).collect();
+    assert_eq!(found(&text(&tilted)), ["circle 1 5-84"]);
     // Off the circle by more than 2 µm in one place.
     let mut dented = circle(20.0, -5.0, 72, 72);
     dented[30][0] += 0.005;

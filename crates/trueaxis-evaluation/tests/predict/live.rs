@@ -3,7 +3,7 @@
 use super::plant::{Errors, Known, V, cut, program, run, sub};
 use super::{AT, COUNT, KNOWN, part, plate};
 use std::path::Path;
-use trueaxis_evaluation::predict::{Live, Options, Part, Predicted, predict, shapes};
+use trueaxis_evaluation::predict::{Live, Options, Part, Predicted, predict};
 use trueaxis_sim::program::Program;
 use trueaxis_tables::Machine;
 use trueaxis_tables::files::Memory;
@@ -56,7 +56,7 @@ fn same_intervals(found: &[Predicted], wanted: &[Predicted], most: impl Fn(&Pred
 #[test]
 fn where_it_was_prepared_a_moved_part_is_the_predicted_one() {
     let plate = Plate::on(Some(&KNOWN));
-    let found = plate.live().at(AT, None).unwrap().document;
+    let found = plate.live().at(AT, None).unwrap();
     let wanted = plate.predicted(AT);
     // The same parts cut; derivatives differ from them by a twentieth of the scatter at most.
     let is_cut = |of: &Predicted| of.known.as_ref().unwrap().parts_cut.is_some();
@@ -69,7 +69,7 @@ fn elsewhere_values_are_exact_and_so_is_the_scatter_of_what_is_the_same_everywhe
     let uniform = Known { shift: 0.0, turn: 0.0, play: 0.0, ..KNOWN };
     let plate = Plate::on(Some(&uniform));
     let live = plate.live();
-    let (found, wanted) = (live.at(ELSEWHERE, None).unwrap().document.features, plate.predicted(ELSEWHERE));
+    let (found, wanted) = (live.at(ELSEWHERE, None).unwrap().features, plate.predicted(ELSEWHERE));
     for ((found, wanted), here) in found.iter().zip(&wanted).zip(plate.predicted(AT)) {
         let [is, was] = [found, wanted].map(|of| [of.uncorrected_um, of.corrected_um]);
         let case = format!("{} {}: {is:?} for {was:?}", found.feature, found.kind);
@@ -85,8 +85,7 @@ fn elsewhere_values_are_exact_and_so_is_the_scatter_of_what_is_the_same_everywhe
 #[test]
 fn a_shape_deviates_as_another_plant_cuts_it() {
     let plate = Plate::on(None);
-    let document = predict(&plate.machine, &plate.stated, &plate.program, &plate.part, OPTIONS).unwrap();
-    let shapes = shapes(&plate.machine, &plate.stated, &plate.program, &plate.part, &document).unwrap();
+    let shapes = predict(&plate.machine, &plate.stated, &plate.program, &plate.part, OPTIONS).unwrap().shapes;
     let (steps, _) = super::plate();
     for is_corrected in [false, true] {
         let places = run(&steps, AT, &Errors::stated(), is_corrected);
@@ -112,7 +111,7 @@ fn verdict_and_share_of_a_shape_are_those_of_its_worst_characteristic() {
     let plate = Plate::on(Some(&Known { approach: 1.2e-3, ..KNOWN }));
     let found = plate.live().at(AT, None).unwrap();
     let bore = &found.shapes[3];
-    let own: Vec<&Predicted> = found.document.features.iter().filter(|of| of.feature == "f3").collect();
+    let own: Vec<&Predicted> = found.features.iter().filter(|of| of.feature == "f3").collect();
     let verdicts: Vec<&str> = own.iter().map(|of| of.known.as_ref().unwrap().verdict).collect();
     assert!(verdicts.contains(&"undecided") && verdicts.contains(&"conforms"), "{verdicts:?}");
     assert_eq!(bore.verdict, Some("undecided"));

@@ -1,6 +1,10 @@
 //! Predicted parts, against parts that another plant cuts and other formulas measure.
 
 mod advised;
+mod asked;
+mod backwards;
+mod correlated;
+mod drives;
 mod forms;
 mod found;
 mod live;
@@ -8,6 +12,7 @@ mod measured;
 mod plant;
 mod servo;
 mod setups;
+mod surfaces;
 mod temperature;
 mod thirty;
 mod trunnion;
@@ -226,7 +231,7 @@ fn orientations_that_the_program_does_not_have_are_refused() {
         ("f6", "perpendicularity", "f1", "30.0005 degrees between f6 and f1, needed 90 degrees as programmed"),
         ("f6", "angularity", "f0", "f6 with the datum f0, needed two planes, or two lines"),
         ("f6", "angularity", "f3", "f6 with the datum f3, needed two planes, or two lines"),
-        ("f1", "angularity", "f6", "the datum f6, cut in lines"),
+        ("f1", "angularity", "f6", "the datum f6, cut in line"),
     ] {
         let tolerance = format!(
             "[[tolerance]]\nfeature = \"{feature}\"\nkind = \"{kind}\"\ndatums = [\"{datum}\"]\nwidth_um = 8\n"

@@ -127,6 +127,128 @@ fn the_limit_of_an_axis_limits_the_thermal_compensation() {
     assert!(of.warnings.iter().any(|note| note.contains("magnitude_um is 8")), "{:?}", of.warnings);
 }
 
+/// Drills a hole in a second set-up.
+const SECOND: &str = "G21 G90 G17 G94 F60\nG1 X0 Y0 Z2\nG1 Z-5\nG1 Z2\nM2\n";
+/// How long the first program takes, s: a way of 2 mm, four strokes of 7 mm, a way of 100 mm.
+const LASTS_S: f64 = 2.0 + 4.0 * 7.0 + 100.0;
+
+/// The hole of the second set-up is where the second of the first one is, with the part turned by a quarter; `start`: of the
+/// second set-up.
+fn turned_over(start: &str) -> anyhow::Result<Part> {
+    let text = format!(
+        "{PART}[[setup]]\nname = \"turned\"\nprogram = \"second.ngc\"\nat_mm = [0, 0, -50]\nzero_mm = [60, 80, 0]\n\
+         turned_deg = [0, 0, 90]\n{start}\n[[feature]]\nname = \"three\"\nkind = \"hole\"\nlines = [3, 3]\n\
+         setup = \"turned\"\n[[tolerance]]\nfeature = \"three\"\nkind = \"position\"\nwidth_um = 5\n\
+         [[tolerance]]\nfeature = \"three\"\nkind = \"distance\"\nfrom = \"one\"\nlimits_um = [-5, 5]\n"
+    );
+    let mut part = Part::read(&text, Path::new("part.toml"))?;
+    part.read_setups(|file| Program::parse("second", SECOND, file))?;
+    Ok(part)
+}
+
+/// X grows by 5 µm/K. The quarter turn brings the growth of the second set-up to the part's −Y.
+#[test]
+fn a_set_up_grows_as_the_record_says_when_it_is_cut() {
+    let machine = machine("[axis.X.thermal]\noffset_um_per_k = 5\n");
+    let rise = 1.0 / 600.0;
+    let grown = |after_s: f64| 5.0 * rise * (after_s + FIRST_S);
+    for (start, begins_s) in
+        [("", 600.0 + LASTS_S), ("start_s = 2400", 2400.0), ("start_at = \"08:50\"", 3000.0), ("start_s = 730", 730.0)]
+    {
+        let model = GrowthModel::of(&machine.0, None).unwrap();
+        let record = read(&ramp(28_800.0, 200, rise)).unwrap();
+        let growth = Some(Growth::recorded(model, &record, Start::At(29_400.0)).unwrap());
+        let of = predicted(&machine, &Part { growth, ..turned_over(start).unwrap() }).unwrap();
+        let [_, one, three, distance] = &of.features[..] else { panic!() };
+        let [first, second] = [grown(600.0), grown(begins_s)];
+        let apart = 1e3 * ((60.0 - 1e-3 * first).hypot(80.0 - 1e-3 * second) - 100.0);
+        for (of, wanted) in [(one, 2.0 * first), (three, 2.0 * second), (distance, apart)] {
+            let case = format!("{start}: {} {}: {} for {wanted}", of.feature, of.kind, of.uncorrected_um);
+            // The planner's ramps take half a second in all.
+            assert!((of.uncorrected_um - wanted).abs() < 0.01, "{case}");
+            assert!(of.corrected_um.abs() < 1e-5, "{case}");
+        }
+        let temperature = of.temperature.unwrap();
+        let [_, last] = temperature.sensors[0].celsius;
+        assert!((last - 20.0 - rise * (begins_s + 9.0)).abs() < 0.02, "{start}: {last}");
+        assert!((temperature.setups[0].start_s - begins_s).abs() < 1.0, "{start}: {:?}", temperature.setups);
+        assert!(of.warnings.iter().all(|note| !note.contains("set-up")), "{:?}", of.warnings);
+    }
+    // Without a record the start has no effect, and a note says so.
+    for temperature in ["", "[temperature]\nmachine_c = 22\n"] {
+        let [with, without] = ["start_s = 2400", ""]
+            .map(|start| predicted(&machine, &turned_over(&format!("{start}\n{temperature}")).unwrap()).unwrap());
+        assert_eq!(with.features[3].uncorrected_um, without.features[3].uncorrected_um);
+        let notes = |of: &PredictDocument| of.warnings.iter().filter(|note| note.contains("set-up turned")).count();
+        assert_eq!([notes(&with), notes(&without)], [1, 0], "{:?}", with.warnings);
+    }
+}
+
+/// `t_s` goes on after midnight, the clock begins again.
+#[test]
+fn a_part_is_cut_after_midnight() {
+    let machine = machine("[axis.X.thermal]\noffset_um_per_k = 5\n");
+    let starts = |first_s: f64, start: &str| {
+        let record = read(&ramp(84_600.0, 200, 0.001)).unwrap();
+        let growth = Growth::recorded(GrowthModel::of(&machine.0, None).unwrap(), &record, Start::At(first_s)).unwrap();
+        let of = predicted(&machine, &Part { growth: Some(growth), ..turned_over(start).unwrap() }).unwrap();
+        let temperature = of.temperature.unwrap();
+        [temperature.start_s.unwrap(), temperature.setups[0].start_s]
+    };
+    assert_eq!(starts(85_200.0, "start_at = \"00:20\""), [600.0, 3000.0]);
+    assert_eq!(starts(600.0, "start_at = \"00:20\""), [2400.0, 3000.0]);
+}
+
+/// The first program is only a place to measure from.
+#[test]
+fn a_first_set_up_may_cut_nothing() {
+    let machine = machine("[axis.X.thermal]\noffset_um_per_k = 5\n");
+    let record = read(&ramp(0.0, 200, 0.01)).unwrap();
+    let growth = Growth::recorded(GrowthModel::of(&machine.0, None).unwrap(), &record, Start::After(100.0)).unwrap();
+    let mut part = turned_over("").unwrap();
+    part.features.retain(|feature| feature.setup.is_some());
+    part.tolerances.retain(|tolerance| tolerance.feature == 2 && tolerance.datums.is_empty());
+    part.tolerances.iter_mut().for_each(|tolerance| tolerance.feature = 0);
+    part.growth = Some(growth);
+    let program = Program::parse("nothing", "G21 G90\nM2\n", "nothing.ngc").unwrap();
+    let of = predict(&machine.0, &machine.1, &program, &part, Options { trials: 200, seed: 1 }).unwrap();
+    assert_eq!(of.temperature.unwrap().setups[0].start_s, 100.0);
+}
+
+#[test]
+fn set_ups_out_of_time_are_refused() {
+    let machine = machine("[axis.X.thermal]\noffset_um_per_k = 5\n");
+    let refused = |start: &str, rows: u32| {
+        let record = read(&ramp(0.0, rows, 0.01)).unwrap();
+        let growth =
+            Growth::recorded(GrowthModel::of(&machine.0, None).unwrap(), &record, Start::After(100.0)).unwrap();
+        predicted(&machine, &Part { growth: Some(growth), ..turned_over(start).unwrap() }).unwrap_err().to_string()
+    };
+    let line = PART.lines().count() + 7;
+    for (start, begins) in [("start_s = 200", "200.0"), ("start_s = 0", "0.0"), ("start_at = \"00:02\"", "120.0")] {
+        let early = refused(start, 40);
+        let found = format!("part.toml:{line}: found the set-up turned that starts {begins} s into the record");
+        assert!(early.contains(&found) && early.contains("or later, when the first set-up has ended"), "{early}");
+        assert!(early.contains("needed 230."), "{early}");
+    }
+    // The last hole is cut 9 s after the start of the second set-up.
+    let short = refused("start_s = 800", 40);
+    for part in ["shift.csv:41", "found the last row 780.0 s after the first", "needed rows until 80"] {
+        assert!(short.contains(part), "{part}: {short}");
+    }
+    for (start, needed) in [
+        ("start_s = -1", "start_s"),
+        ("start_s = 9e9", "needed 0 to 2700000 s after the first row of the record"),
+        ("start_at = \"24:10\"", "start_at: found \"24:10\", needed hours and minutes"),
+        ("start_at = \"+9:+5\"", "needed hours and minutes, 00:00 to 23:59"),
+        ("start_at = \"8:5\"", "needed hours and minutes, 00:00 to 23:59"),
+        ("start_s = 5\nstart_at = \"08:50\"", "start_s or start_at, one of them"),
+    ] {
+        let error = turned_over(start).unwrap_err().to_string();
+        assert!(error.contains("part.toml:") && error.contains(needed), "{error}");
+    }
+}
+
 const THERMAL: &str = "reference_temperature_c = 20\n[[sensor]]\nname = \"T1\"\nlag_s = 900\nknots_c = [10, 40]\n\
                        [[sensor]]\nname = \"T2\"\nknots_c = [10, 40]\n\
                        [axis.X]\nuncertainty_um = 1.5\n[axis.X.sensor.T1]\noffset_um = [-100, 200]\n\
@@ -190,10 +312,6 @@ fn records_that_say_too_little_are_refused() {
         let refused = read(record).unwrap_err().to_string();
         assert!(parts.iter().all(|part| refused.contains(part)), "{parts:?}: {refused}");
     }
-    let setup = part("[[setup]]\nname = \"back\"\nprogram = \"back.ngc\"\nat_mm = [0, 0, -50]\n");
-    let whole = Growth::recorded(model(None), &read(&ramp(0.0, 40, 0.01)).unwrap(), Start::After(100.0)).unwrap();
-    let refused = predicted(&grows, &Part { growth: Some(whole), ..setup }).unwrap_err().to_string();
-    assert!(refused.contains("part.toml:") && refused.contains("found the set-up back"), "{refused}");
     let lacking = error(Growth::recorded(model(Some(THERMAL)), &read("t_s,T1_c\n0,20\n").unwrap(), Start::After(0.0)));
     assert!(lacking.contains("shift.csv:1") && lacking.contains("needed the column T2_c"), "{lacking}");
     let jumps = "t_s,T1_c,T2_c\n0,20,20\n60,20,40\n";

@@ -281,11 +281,13 @@ const PART: &str = "name = \"tilted\"\nat_mm = [10, -20, 60]\n\
     [[tolerance]]\nfeature = \"side\"\nkind = \"position\"\nwidth_um = 60\n\
     [[tolerance]]\nfeature = \"turned\"\nkind = \"size\"\nlimits_um = [-60, 60]\n";
 
+fn machine_of(errors: &Errors, is_known: bool) -> (Machine, Uncertainties) {
+    let (files, toml) = (Memory::new(errors.files(is_known)), Path::new("machine.toml"));
+    (Machine::read_from(&files, toml, &mut |_| {}).unwrap(), Uncertainties::read_from(&files, toml).unwrap())
+}
+
 fn predicted(machine: &Errors, is_known: bool, program: &str, part: &str) -> PredictDocument {
-    let files = Memory::new(machine.files(is_known));
-    let toml = Path::new("machine.toml");
-    let machine = Machine::read_from(&files, toml, &mut |_| {}).unwrap();
-    let stated = Uncertainties::read_from(&files, toml).unwrap();
+    let (machine, stated) = machine_of(machine, is_known);
     let program = Program::parse("five", program, "five.ngc").unwrap();
     let part = Part::read(part, Path::new("part.toml")).unwrap();
     predict(&machine, &stated, &program, &part, Options { trials: 1000, seed: 3 }).unwrap()
@@ -413,18 +415,65 @@ fn flank_deviations(points: &[V], [base, lead]: [f64; 2]) -> [f64; 6] {
     [a, b, c, d, e, f].map(|mm| 1e3 * mm)
 }
 
-#[test]
-fn profile_and_helix_of_a_gear_are_cut_as_predicted() {
-    let (commands, program, surface) = flank(150.0);
-    let mut part = String::from(
-        "name = \"gear\"\nat_mm = [0, 0, 0]\n[[feature]]\nname = \"tooth\"\nkind = \"flank\"\nlines = [3, 83]\n\
-         module_mm = 3\nteeth = 24\nhelix_angle_deg = 15\nface_mm = 33\n",
+/// The gear with six tolerances; `setup`: sections before its feature, and what that states.
+fn gear([sections, key]: [&str; 2]) -> String {
+    let mut part = format!(
+        "name = \"gear\"\nat_mm = [0, 0, 0]\n{sections}[[feature]]\nname = \"tooth\"\nkind = \"flank\"\nlines = [3, 83]\n\
+         module_mm = 3\nteeth = 24\nhelix_angle_deg = 15\nface_mm = 33\n{key}",
     );
     for of in ["profile", "helix"] {
         for kind in ["total", "form", "slope"] {
             part += &format!("[[tolerance]]\nfeature = \"tooth\"\nkind = \"{of} {kind}\"\nclass = 6\n");
         }
     }
+    part
+}
+
+/// In a further set-up, however it is turned, the flank is that of its program; clamped with an angle about X, its helix and
+/// profile are those of the points turned by it.
+#[test]
+fn a_gear_in_a_further_set_up_is_that_of_its_program() {
+    let (commands, text, surface) = flank(150.0);
+    let stated = Errors::stated(Some(150.0));
+    let wanted = predicted(&stated, true, &text, &gear(["", ""]));
+    let none = Program::parse("none", "G21 G90 G17 G94 F600\nG0 X0 Y0 Z200\nX1\nM2\n", "none.ngc").unwrap();
+    let (machine, known) = machine_of(&stated, true);
+    let clamped = 80e-6;
+    for (turned, clamp) in [([0, 0, 0], 0.0), ([90, 0, 0], 0.0), ([20, 40, 60], clamped)] {
+        let sections = format!(
+            "[[setup]]\nname = \"s\"\nprogram = \"s.ngc\"\nat_mm = [0, 0, 0]\nzero_mm = [30, -20, 10]\n\
+             turned_deg = {turned:?}\nuncertainty_urad = [{}, 0, 0]\n",
+            1e6 * clamp
+        );
+        let mut part = Part::read(&gear([&sections, "setup = \"s\"\n"]), Path::new("part.toml")).unwrap();
+        part.read_setups(|file| Program::parse("gear", &text, file)).unwrap();
+        let found = predict(&machine, &known, &none, &part, Options { trials: 1000, seed: 3 }).unwrap();
+        let nominal: Vec<V> = commands.iter().map(|axes| Errors { head: Some(150.0), ..NONE }.tip(*axes)).collect();
+        let tilted: Vec<V> = nominal.iter().map(|[x, y, z]| [*x, y - clamped * z, z + clamped * y]).collect();
+        let by = flank_deviations(&tilted, surface);
+        for (k, (found, wanted)) in found.features.iter().zip(&wanted.features).enumerate() {
+            let case = format!("{turned:?}, {}", found.kind);
+            let [is, was] = [found, wanted].map(|of| [of.uncorrected_um, of.corrected_um]);
+            assert!((0..2).all(|state| (is[state] - was[state]).abs() < 1e-6), "{case}: {is:?} for {was:?}");
+            let [is, was] = [found, wanted].map(|of| of.known.as_ref().unwrap());
+            if clamp == 0.0 {
+                assert!((is.expanded_um - was.expanded_um).abs() < 1e-6, "{case}");
+            } else if found.kind.ends_with("slope") {
+                let term = is.budget.iter().find(|one| one.term == "set-up s about X").unwrap();
+                let wanted = by[k].abs();
+                assert!(
+                    wanted > 0.05 && (term.standard_um / wanted - 1.0).abs() < 0.06,
+                    "{case}: {term:?} for {wanted}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn profile_and_helix_of_a_gear_are_cut_as_predicted() {
+    let (commands, program, surface) = flank(150.0);
+    let part = gear(["", ""]);
     let stated = Errors::stated(Some(150.0));
     let found = predicted(&stated, true, &program, &part);
     // m_n 3, d 74.54, b 33, class 6 of ISO 1328-1:2013, rounded as there.

@@ -1,10 +1,15 @@
 //! Linear least squares by QR of scaled columns, with covariance and condition number.
 
+use super::blocks::{self, Eliminated};
 use nalgebra::{DMatrix, DVector};
 use std::vec::Vec;
 
 /// Condition number of the scaled columns beyond which a combination counts as unobserved.
 pub(super) const CONDITION_LIMIT: f64 = 1e7;
+/// Number of unknowns from which those in few rows are eliminated first.
+const MANY: usize = 200;
+/// Share of the limit up to which the condition number of an elimination, which is iterated, counts.
+const ITERATED: f64 = 0.1;
 /// Parts of a combination below this share of the largest are omitted.
 const SAID: f64 = 0.05;
 
@@ -37,6 +42,21 @@ pub(super) fn solve(
     for (mut column, length) in matrix.column_iter_mut().zip(&lengths) {
         column /= *length;
     }
+    let unscaled = |scaled: DVector<f64>, mut covariance: DMatrix<f64>, condition: f64| {
+        for row in 0..count {
+            for column in 0..count {
+                covariance[(row, column)] /= lengths[row] * lengths[column];
+            }
+        }
+        let values = DVector::from_iterator(count, scaled.iter().zip(&lengths).map(|(value, length)| value / length));
+        Solved { values, covariance, condition }
+    };
+    if count >= MANY
+        && let Some(Eliminated { values, covariance, condition }) = blocks::solve(&matrix, right, condition)
+        && condition < ITERATED * CONDITION_LIMIT
+    {
+        return Ok(unscaled(values, covariance, condition));
+    }
     let qr = matrix.qr();
     let triangle = qr.r();
     let condition = match condition {
@@ -53,14 +73,8 @@ pub(super) fn solve(
     ) else {
         return Err(all());
     };
-    let mut covariance = &inverse * inverse.transpose();
-    for row in 0..count {
-        for column in 0..count {
-            covariance[(row, column)] /= lengths[row] * lengths[column];
-        }
-    }
-    let values = DVector::from_iterator(count, scaled.iter().zip(&lengths).map(|(value, length)| value / length));
-    Ok(Solved { values, covariance, condition })
+    let covariance = &inverse * inverse.transpose();
+    Ok(unscaled(scaled, covariance, condition))
 }
 
 /// Condition number of a triangle; fails with its unobserved combinations.

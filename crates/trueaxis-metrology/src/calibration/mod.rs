@@ -25,6 +25,7 @@
 //! Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 5.3 and 6.1; ISO 230-1:2012 for the terms.
 
 mod ball;
+mod blocks;
 mod information;
 mod least_squares;
 mod network;

@@ -92,7 +92,8 @@ impl Network {
     /// Solves for all unknowns.
     ///
     /// Touches are weighted by the repeatability, which is pooled from the residuals once these have 20 degrees of freedom;
-    /// known sizes are weighted by their uncertainty. Cost: a QR of touches × unknowns per step, usually four steps.
+    /// known sizes are weighted by their uncertainty. Cost: a QR of touches × unknowns per step, usually four steps; from 200
+    /// unknowns on, those in few touches are eliminated first, and the QR is one of the others.
     ///
     /// # Errors
     /// [`CalibrationRefusal`].

@@ -1,8 +1,10 @@
 //! Contributions to the uncertainty of a point, and their sum.
 
-use super::{chi_squared_quantile, student_factor};
+use super::{Correlations, chi_squared_quantile, student_factor};
+use std::vec;
+use std::vec::Vec;
 
-/// Contribution of one independent quantity to the uncertainty of a point.
+/// Contribution of one quantity to the uncertainty of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contribution {
     /// Derivative of the point with respect to the quantity, times its standard uncertainty, mm.
@@ -30,22 +32,38 @@ pub struct Covariance {
 }
 
 impl Covariance {
-    /// Sums independent contributions; effective degrees of freedom after Welch and Satterthwaite (JCGM 100:2008, G.4.1).
-    pub fn of(contributions: &[Contribution]) -> Covariance {
+    /// Sums contributions; effective degrees of freedom after Welch and Satterthwaite (JCGM 100:2008, G.4.1).
+    ///
+    /// ```text
+    /// u² = Σ_k c_k,  c_k = s_k Σ_l r_kl s_l       ∂u²/∂u_k = 2 c_k/u_k,  u(u_k)² = u_k²/(2 ν_k)
+    /// ν = u⁴ / Σ_k (c_k²/ν_k)
+    /// ```
+    ///
+    /// Without correlation c_k is s_k², and that is the known formula. Standard uncertainties of one fit are wrong by one
+    /// factor: their c_k are summed before they are squared.
+    pub fn of(contributions: &[Contribution], correlations: &Correlations) -> Covariance {
+        let common: [Vec<f64>; 3] = core::array::from_fn(|i| {
+            correlations.times(&contributions.iter().map(|one| one.vector[i]).collect::<Vec<_>>())
+        });
         let mut matrix = [[0.0; 3]; 3];
-        let (mut fourth, mut fourth_of_all) = ([0.0; 3], 0.0);
-        for one in contributions {
+        let mut parts = vec![[0.0; 3]; contributions.len()];
+        for (k, one) in contributions.iter().enumerate() {
             for (row, a) in matrix.iter_mut().zip(one.vector) {
-                for (cell, b) in row.iter_mut().zip(one.vector) {
-                    *cell += a * b;
+                for (cell, of) in row.iter_mut().zip(&common) {
+                    *cell += a * of[k];
                 }
             }
-            for (sum, part) in fourth.iter_mut().zip(one.vector) {
-                *sum += part.powi(4) / one.degrees_of_freedom;
-            }
-            fourth_of_all += one.variance().powi(2) / one.degrees_of_freedom;
+            let sum = &mut parts[correlations.first(k)];
+            sum.iter_mut().zip(one.vector).zip(&common).for_each(|((sum, a), of)| *sum += a * of[k]);
         }
-        let variances: [f64; 3] = core::array::from_fn(|i| matrix[i][i]);
+        let (mut fourth, mut fourth_of_all) = ([0.0; 3], 0.0);
+        for (one, part) in contributions.iter().zip(&parts) {
+            for (sum, part) in fourth.iter_mut().zip(part) {
+                *sum += part * part / one.degrees_of_freedom;
+            }
+            fourth_of_all += part.iter().sum::<f64>().powi(2) / one.degrees_of_freedom;
+        }
+        let variances: [f64; 3] = core::array::from_fn(|i| matrix[i][i].max(0.0));
         let effective =
             |variance: f64, fourth: f64| if fourth > 0.0 { variance * variance / fourth } else { f64::INFINITY };
         Covariance {
@@ -57,7 +75,7 @@ impl Covariance {
 
     /// Returns the standard uncertainties of the coordinates, mm.
     pub fn standard(&self) -> [f64; 3] {
-        core::array::from_fn(|i| self.matrix[i][i].sqrt())
+        core::array::from_fn(|i| self.matrix[i][i].max(0.0).sqrt())
     }
 
     /// Returns the coverage factors of the coordinates for a coverage of `p`: Student's, with the effective degrees of

@@ -280,6 +280,12 @@ def predict(
     at_mm: Sequence[float] | None = None,
     trials: int = 10_000,
     seed: int = 1,
+    thermal: Mapping[str, ArrayLike] | Frame | str | PathLike[str] | Readable | None = None,
+    start: float | None = None,
+    at: str | None = None,
+    servo: bool = False,
+    rate_hz: float = 10_000.0,
+    exact_drives: bool = False,
     advise: bool = False,
 ) -> PredictedPart: ...
 def import_table(

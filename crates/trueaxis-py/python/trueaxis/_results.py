@@ -325,7 +325,7 @@ class Result(Section):
 
 
 class Budgeted(Result):
-    """A result whose features state what contributes to their uncertainty."""
+    """A result whose features state what contributes to their uncertainty, and what to measure for them."""
 
     __slots__ = ()
 
@@ -340,6 +340,28 @@ class Budgeted(Result):
             for contribution in of.get("budget", [])
         ]
         return pd.DataFrame(rows, columns=["feature", "kind", "datums", "term", "standard_um", "share"])
+
+    @property
+    def advice_measurements(self) -> pandas.DataFrame:
+        """What to measure, a row each: name, minutes, in_task, file; needs `advise=True`."""
+        return self._advised("measurements", ["name", "minutes", "in_task", "file"])
+
+    @property
+    def advice_after(self) -> pandas.DataFrame:
+        """Every characteristic before and after the measurements, µm; needs `advise=True`."""
+        columns = ["feature", "kind", "before_um", "after_um", "least_um", "low_um", "high_um", "verdict_before", "verdict_after"]
+        return self._advised("features", columns)
+
+    def _advised(self, key: str, columns: list[str]) -> pandas.DataFrame:
+        import pandas as pd
+
+        if "advice" not in self._document:
+            raise ValueError(f"{type(self).__name__}: found no advice, needed predict with advise=True")
+        rows = []
+        for of in self._document["advice"][key]:
+            ends = of.get("interval_um", {})
+            rows.append({**of, "low_um": ends.get("low"), "high_um": ends.get("high")})
+        return pd.DataFrame(rows, columns=columns)
 
 
 def correlation_of(covariance: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -2541,11 +2541,11 @@ class UncertaintyShare(Section):
     term : str
         Name of the quantity.
     rms_um : float
-        Root mean square over the working volume of its contribution to the standard uncertainty.
+        Root mean square over the working volume of its contribution to the standard uncertainty, by itself.
     share : float
-        Share of the variance over the working volume, 0 … 1.
+        Share of the variance over the working volume: of a correlated quantity with half of what it has in common with each other one, which may be negative. All shares add up to 1.
     worst_um : float
-        Contribution at the worst point.
+        Contribution at the worst point, by itself.
     """
 
     __slots__ = ()
@@ -2617,9 +2617,9 @@ class Contribution(Section):
     term : str
         Name of the term: of its errors those of ISO 230-1.
     standard_um : float
-        Contribution to the standard uncertainty; their squares add up to its square.
+        Contribution to the standard uncertainty; their squares add up to its square, those of negative ones subtracted.
     share : float
-        Share of the variance, 0 … 1, after the squares of the effects of each quantity alone.
+        Share of the variance after the squares of the effects of each quantity alone, of a correlated one with half of what it has in common with each other one: negative where that makes the whole smaller. All shares add up to 1.
     """
 
     __slots__ = ()
@@ -2682,6 +2682,23 @@ class Predicted(Section):
     budget: tuple[Contribution, ...] | None
 
 
+class SetupStart(Section):
+    """When a further set-up starts in a record.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    start_s : float
+        Start of its program after the record's first row.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    name: str
+    start_s: float
+
+
 class SensorTemperature(Section):
     """Temperatures of a sensor.
 
@@ -2728,6 +2745,8 @@ class PredictedPartTemperature(Section):
         The record; absent at a constant temperature.
     start_s : float | None
         Start of the program after the record's first row.
+    setups : tuple[SetupStart, ...]
+        Starts of the further set-ups after the record's first row; none at a constant temperature.
     cut_s : NDArray[np.float64] | None
         First and last cut of a feature after the start of the program.
     sensors : tuple[SensorTemperature, ...]
@@ -2741,9 +2760,10 @@ class PredictedPartTemperature(Section):
     """
 
     __slots__ = ()
-    _sections: ClassVar[dict[str, type[Section]]] = {"sensors": SensorTemperature, "growth": AxisGrowth}
+    _sections: ClassVar[dict[str, type[Section]]] = {"setups": SetupStart, "sensors": SensorTemperature, "growth": AxisGrowth}
     record: str | None
     start_s: float | None
+    setups: tuple[SetupStart, ...]
     cut_s: NDArray[np.float64] | None
     sensors: tuple[SensorTemperature, ...]
     growth: tuple[AxisGrowth, ...]
@@ -2764,6 +2784,12 @@ class Servo(Section):
         Simulated time of each machine.
     moves : NDArray[np.int64]
         Moves simulated, and moves of the programs.
+    plants : int
+        Further machines with everything on, whose drives differ from the stated figures.
+    figures : tuple[str, ...]
+        Uncertain figures of the drives.
+    departure : float | None
+        How far parts cut with all figures drawn at once are from the sum of their single effects: root mean square as a share of the scatter, the largest of all characteristics; absent without uncertain figures.
     """
 
     __slots__ = ()
@@ -2772,6 +2798,9 @@ class Servo(Section):
     machines: tuple[str, ...]
     simulated_s: float
     moves: NDArray[np.int64]
+    plants: int
+    figures: tuple[str, ...]
+    departure: float | None
 
 
 class Measurement(Section):
@@ -2928,6 +2957,8 @@ class Advice(Section):
         Number of places refused: the part or its correction leaves the travel there.
     directions : tuple[Directed, ...] | None
         Features that are better cut in the other direction.
+    without_servo : bool | None
+        Whether the prediction has the servo, without which all of them are compared.
     corrected : tuple[str, ...]
         Characteristics to which the correction gives another verdict, in words.
     """
@@ -2945,6 +2976,7 @@ class Advice(Section):
     places_compared: int | None
     places_refused: int | None
     directions: tuple[Directed, ...] | None
+    without_servo: bool | None
     corrected: tuple[str, ...]
 
 

@@ -39,7 +39,7 @@ const WALL: f64 = 3.0;
 
 impl Artefact {
     /// Distance from a tip of radius `radius` to the surface, mm, and the direction out of the material there.
-    pub(super) fn gap(&self, tip: DVec3, radius: f64) -> (f64, DVec3) {
+    pub(crate) fn gap(&self, tip: DVec3, radius: f64) -> (f64, DVec3) {
         match *self {
             Artefact::Ring { centre, axis, diameter } => {
                 let from = tip - centre;

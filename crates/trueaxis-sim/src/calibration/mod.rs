@@ -8,7 +8,7 @@
 //! gives the axis positions at the trip. [`random_machine`] draws machines, [`volumetric`] computes their residual error.
 //! The drives have no lag and the encoders no noise, because a probing move is slow.
 
-mod artefact;
+pub(crate) mod artefact;
 mod correction;
 mod execute;
 mod random;

@@ -4,25 +4,25 @@
 ///
 /// The table applies in positive travel; in negative travel the carriage stays behind, actual − indicated = +backlash.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LostMotion {
+pub(super) struct LostMotion {
     width: f64,
     reverse: f64,
 }
 
 impl LostMotion {
     /// A play of `width` mm (deg), approached in positive travel. A width of 0 switches at once.
-    pub fn new(width: f64) -> LostMotion {
+    pub(super) fn new(width: f64) -> LostMotion {
         LostMotion { width: width.abs(), reverse: 0.0 }
     }
 
     /// Follows a travel of `travel` mm (deg) on the encoder's side.
-    pub fn follow(&mut self, travel: f64) {
+    pub(super) fn follow(&mut self, travel: f64) {
         let moved = if self.width > 0.0 { travel / self.width } else { travel * f64::MAX };
         self.reverse = (self.reverse - moved).clamp(0.0, 1.0);
     }
 
     /// Traversed share of the play: 0 in positive travel, 1 in negative travel.
-    pub fn reverse(&self) -> f64 {
+    pub(super) fn reverse(&self) -> f64 {
         self.reverse
     }
 }

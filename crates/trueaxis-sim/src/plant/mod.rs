@@ -24,7 +24,7 @@ use encoder::{Encoder, EncoderSettings};
 use fault::{Fault, FaultKind, FaultScript};
 
 pub use agreed::{agreed, stated};
-pub use lost_motion::LostMotion;
+use lost_motion::LostMotion;
 
 use thiserror::Error;
 use trueaxis::machine::{AXES, Axis, AxisSettings};
@@ -346,7 +346,8 @@ impl Plant {
         self.geometry.tip_error(position, &self.reversal())
     }
 
-    fn reversal(&self) -> [f64; AXES] {
+    /// Traversed share of each axis' lost motion.
+    pub(crate) fn reversal(&self) -> [f64; AXES] {
         let mut reverse = [0.0; AXES];
         for (value, station) in reverse.iter_mut().zip(&self.stations) {
             *value = station.play.reverse();
@@ -356,7 +357,7 @@ impl Plant {
 }
 
 /// Lost motion of an axis: its backlash plus the largest difference of its positioning error between the table's directions.
-pub fn play_width(settings: &AxisSettings, table: Option<&Table>) -> f64 {
+fn play_width(settings: &AxisSettings, table: Option<&Table>) -> f64 {
     let own = settings.axis.index();
     let rows = table.map_or(&[][..], |table| &table.rows);
     let spread = rows.iter().map(|row| (row.reverse[own] - row.forward[own]).abs()).fold(0.0, f64::max);

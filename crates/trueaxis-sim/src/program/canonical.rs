@@ -114,7 +114,7 @@ impl Canonical {
                 if self.builder.line_to(line, pace, self.keep_still(end), self.plane.normal())? {
                     self.builder.probe();
                 }
-                self.builder.notes.add(line, name, "moves to its end: the simulation has nothing to touch");
+                self.builder.notes.add(line, "G38", "moves to its end: --surface is for the built-in interpreter");
             }
             "ARC_FEED" => self.arc(line, numbers(line, name, arguments)?)?,
             "USE_LENGTH_UNITS" => {
@@ -152,7 +152,7 @@ impl Canonical {
             "PROGRAM_END" | "FINISH" => self.ended = true,
             "DWELL" | "PROGRAM_STOP" | "OPTIONAL_PROGRAM_STOP" | "CHANGE_TOOL" => {
                 self.builder.stop();
-                self.builder.notes.add(line, name, "the axes stop and continue at once");
+                self.builder.notes.add(line, word(name), "the axes stop and continue at once");
             }
             "SET_NAIVECAM_TOLERANCE"
             | "SET_FEED_REFERENCE"
@@ -170,7 +170,7 @@ impl Canonical {
                 return Err(Refusal::new(line, format!("{name}({arguments})"), needed));
             }
             "STOP_SPINDLE_TURNING" | "SET_SPINDLE_MODE" => {}
-            _ if has_no_effect(name) => self.builder.notes.add(line, name, ""),
+            _ if has_no_effect(name) => self.builder.notes.add(line, word(name), ""),
             _ => {
                 return Err(Refusal::new(
                     line,
@@ -234,6 +234,24 @@ impl Canonical {
         self.builder.push(line, pace, curve, turn, plane_normal)?;
         self.moved();
         Ok(())
+    }
+}
+
+/// The program's word for a call, where there is one.
+fn word(call: &str) -> &str {
+    match call {
+        "SELECT_TOOL" => "T",
+        "CHANGE_TOOL" => "M6",
+        "DWELL" => "G4",
+        "PROGRAM_STOP" => "M0",
+        "OPTIONAL_PROGRAM_STOP" => "M1",
+        "SET_SPINDLE_SPEED" => "S",
+        "START_SPINDLE_CLOCKWISE" => "M3",
+        "START_SPINDLE_COUNTERCLOCKWISE" => "M4",
+        "MIST_ON" => "M7",
+        "FLOOD_ON" => "M8",
+        "MIST_OFF" | "FLOOD_OFF" => "M9",
+        call => call,
     }
 }
 

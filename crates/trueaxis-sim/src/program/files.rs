@@ -1,6 +1,6 @@
 //! Reads a program, tools and offsets from their files. Nothing else in this crate opens a file.
 
-use super::{Offsets, Program, ProgramError, ReadOptions, ToolTable, limits};
+use super::{Offsets, Program, ProgramError, ReadOptions, Surface, ToolTable, limits};
 use crate::error::{Result, SimError};
 use std::borrow::Cow;
 use std::io::Read;
@@ -61,7 +61,26 @@ impl ReadOptions {
             let text = std::fs::read_to_string(path).map_err(|error| of(path, error, "a file of offsets"))?;
             Offsets::parse(&text, &path.display().to_string())
         });
-        Ok(ReadOptions { tools: tools.transpose()?, offsets: offsets.transpose()?, block_delete, folder: None })
+        Ok(ReadOptions {
+            tools: tools.transpose()?,
+            offsets: offsets.transpose()?,
+            block_delete,
+            ..ReadOptions::default()
+        })
+    }
+
+    /// Probing moves touch the surface of a file ([`Surface::parse`]), with its height map beside it.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or has another format; with its line.
+    pub fn probing(mut self, surface: &Path) -> Result<Self, ProgramError> {
+        let file = surface.display().to_string();
+        let text = std::fs::read_to_string(surface).map_err(|error| {
+            ProgramError::new(&file, 1, format!("a file that cannot be read ({error})"), "a file of a surface")
+        })?;
+        let beside = |name: &str| std::fs::read_to_string(surface.with_file_name(name));
+        self.surface = Some(Surface::parse(&text, &file, beside)?);
+        Ok(self)
     }
 
     /// Also finds subprograms in the files beside the program.

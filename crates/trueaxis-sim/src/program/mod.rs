@@ -11,7 +11,7 @@
 //! | A, B, C | with G0 to G3: rotary axes in degrees, in proportion to the parameter of the line or the angle of the arc |
 //! | G5, G5.1; G5.2, G5.3 | cubic, quadratic curve; NURBS; in XY: see [`Curve::Nurbs`] |
 //! | @, ^ | with G0 to G3: radius and angle instead of X and Y |
-//! | G38.2 to G38.5 | probing move, to its end: a line at the programmed feed; [`crate::calibration`] stops it where the probe trips |
+//! | G38.2 to G38.5 | probing move: a line at the programmed feed, to where the probe trips on [`ReadOptions::surface`], else to its end; [`crate::calibration`] stops it on a machine with errors |
 //! | G73, G81 to G86, G89 | canned cycles, with R P Q L, G98 and G99 |
 //! | G17, G18, G19 | plane of the arcs and cycles: XY, ZX, YZ |
 //! | G20, G21 | inch, mm |
@@ -50,6 +50,7 @@ mod expression;
 mod files;
 mod flow;
 mod frame;
+mod height_map;
 mod interpreter;
 mod language;
 pub mod limits;
@@ -65,12 +66,16 @@ mod offsets;
 mod options;
 mod parameters;
 mod places;
+mod probing_move;
 mod repeated;
 mod saved;
 mod spline;
 mod state;
+mod surface;
+mod surface_file;
 mod text;
 mod tool_table;
+mod way;
 mod words;
 
 use trueaxis::machine::MachineSettings;
@@ -86,6 +91,7 @@ pub use nurbs::MAX_DEGREE;
 pub use offsets::{Offsets, System};
 pub use options::ReadOptions;
 pub use repeated::CannotRepeat;
+pub use surface::Surface;
 pub use tool_table::ToolTable;
 
 use error::Refusal;
@@ -110,7 +116,7 @@ pub struct Move {
     pub tool_center: bool,
     /// Whether the axes come to rest at its end: G61.1, or G4, M0, M1, M6, M60 after it, or a probing move.
     pub stop: bool,
-    /// Whether it ends where a probe trips (G38.2); its end here applies if nothing is touched.
+    /// Whether it probes towards a surface (G38.2, G38.3). Its end is the trip, or without a surface the programmed end.
     pub probe: bool,
 }
 

@@ -79,28 +79,6 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// G38.2 to G38.5.
-    fn probe(&mut self, block: &mut Block, code: u16) -> Result<(), Refusal> {
-        let line = block.line;
-        let name = format!("G{}", f64::from(code) / 10.0);
-        self.refuse_tool_center(line, &name)?;
-        if self.inverse_time {
-            return Err(Refusal::new(line, format!("{name} in G93"), "G94"));
-        }
-        let pace = self.feed(line)?;
-        let (end, _) = self.target(block);
-        if !self.builder.line_to(line, pace, end, self.plane.normal())? {
-            return Err(Refusal::new(line, "a probing move without length", "an end away from where it starts"));
-        }
-        self.note(line, &name, "moves to its end: the simulation has nothing to touch");
-        self.builder.stop();
-        if code < 384 {
-            self.builder.probe();
-        }
-        self.probed();
-        Ok(())
-    }
-
     /// G53: in this line only, the words are machine coordinates.
     fn in_machine_coordinates(&mut self, block: &mut Block) -> Result<(), Refusal> {
         let line = block.line;

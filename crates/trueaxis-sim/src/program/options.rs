@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::{Offsets, ToolTable};
+use super::{Offsets, Surface, ToolTable};
 
-/// Tools, offsets and block delete, in addition to a program's text.
+/// Tools, offsets, block delete and a probed surface, in addition to a program's text.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// Tools for G43; if absent, tools have no length.
@@ -15,4 +15,6 @@ pub struct ReadOptions {
     pub block_delete: bool,
     /// Folder with the files of subprograms, the program's own; if absent, they are in the program itself.
     pub folder: Option<PathBuf>,
+    /// What probing moves touch; if absent, they go to their ends.
+    pub surface: Option<Surface>,
 }

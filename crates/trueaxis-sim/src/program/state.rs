@@ -97,12 +97,13 @@ impl Interpreter<'_> {
         })
     }
 
-    /// Where a probing move ended: #5061 to #5069. Nothing was touched: #5070 is 0.
-    pub(super) fn probed(&mut self) {
+    /// Where a probing move ended, #5061 to #5069, and whether the probe tripped, #5070.
+    pub(super) fn probed(&mut self, tripped: bool) {
         for (axis, number) in (5061..=5069).enumerate() {
             let value = self.here(axis);
             self.parameters.set(Parameter::Number(number), value);
         }
+        self.parameters.set(Parameter::Number(5070), f64::from(u8::from(tripped)));
     }
 
     /// Assigns a parameter. One of offsets takes effect where its coordinate system is chosen next, as in LinuxCNC.

@@ -41,9 +41,11 @@ pub(super) struct Stepped<const N: usize> {
 }
 
 /// True error in a cycle.
-pub(super) struct Measured {
+pub(super) struct Measured<const N: usize> {
     pub(super) tip: DVec3,
     pub(super) angle: f64,
+    /// Traversed share of the lost motion of each axis.
+    pub(super) reverse: [f64; N],
 }
 
 /// State of one machine and of the plugin that drives it.
@@ -297,7 +299,7 @@ where
         }
     }
 
-    fn add(&mut self, measured: &Measured, stepped: &Stepped<N>) {
+    fn add(&mut self, measured: &Measured<N>, stepped: &Stepped<N>) {
         let Stepped { output, orientation } = stepped;
         self.sums.error.add((1e3 * measured.tip).length());
         self.sums.orientation.add(1e6 * measured.angle);
@@ -311,18 +313,20 @@ where
 
     /// The true error: in machine coordinates for three-axis programs, otherwise in workpiece coordinates and with the
     /// direction.
-    fn measure(&mut self, scenario: &Scenario, setpoint: &Setpoint) -> Measured {
+    fn measure(&mut self, scenario: &Scenario, setpoint: &Setpoint) -> Measured<N> {
+        let mut reverse = [0.0; N];
+        self.take_from_plant(&self.plant.reversal(), &mut reverse);
         let reference = (setpoint.move_index, setpoint.u);
         let program = &scenario.program;
         if scenario.five_axis {
             let pose = self.plant.true_pose();
             let actual = Place { tip: DVec3::from(pose.tip_mm), direction: DVec3::from(pose.direction) };
             let found = truth::pose::deviation(program, &scenario.placement, reference, &actual);
-            return Measured { tip: found.tip, angle: found.angle };
+            return Measured { tip: found.tip, angle: found.angle, reverse };
         }
         let tip = DVec3::from(self.plant.true_tip());
         let here = DVec3::from(setpoint.position);
-        Measured { tip: self.truth.deviation(program, self.origin, reference, here, tip), angle: 0.0 }
+        Measured { tip: self.truth.deviation(program, self.origin, reference, here, tip), angle: 0.0, reverse }
     }
 
     pub(super) fn tallies(&self) -> Tallies {

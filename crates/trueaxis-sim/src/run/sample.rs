@@ -65,6 +65,8 @@ pub struct Sample {
     pub drive: [f64; AXES],
     /// Reading as input to the step, mm and degrees.
     pub feedback: [f64; AXES],
+    /// Traversed share of each axis' lost motion, 0 after positive travel to 1 after negative travel.
+    pub reverse: [f64; AXES],
     /// Geometric correction sent, µm and µrad.
     pub correction: [f32; AXES],
     /// Dynamic correction.

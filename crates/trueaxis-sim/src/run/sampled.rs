@@ -28,7 +28,7 @@ impl<const N: usize> Cell<N> {
     /// The sample of a cycle, with the true error.
     pub(super) fn sample(
         &self,
-        measured: &Measured,
+        measured: &Measured<N>,
         stepped: &Stepped<N>,
         servo: &ServoLoop<'_, f64, f64, N>,
     ) -> Sample {
@@ -54,6 +54,7 @@ impl<const N: usize> Cell<N> {
             sample.command[i] = record.command[k];
             sample.drive[i] = output.drive[k];
             sample.feedback[i] = record.feedback[k];
+            sample.reverse[i] = measured.reverse[k];
             // mm to µm, degrees to µrad.
             let micro = |value: f64| if axis.is_rotary() { value.to_radians() * 1e6 } else { value * 1e3 } as f32;
             sample.correction[i] = micro(record.correction[k]);

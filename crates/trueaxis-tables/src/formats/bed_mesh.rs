@@ -48,6 +48,9 @@ use trueaxis::error::Figure;
 use trueaxis::machine::GRID_NODES;
 use trueaxis::range;
 
+/// Klipper's limits of `bicubic_tension`.
+const TENSION: std::ops::RangeInclusive<f64> = 0.0..=2.0;
+
 /// A value of a section with its line.
 struct Item<'t> {
     key: &'t str,
@@ -221,7 +224,15 @@ struct Laid {
 fn laid(mesh: &Section<'_>, heights: &[Vec<f64>], origin: &Origin) -> Result<Laid, FileError> {
     let bicubic = mesh.item("algo").and_then(|item| item.values.first()).is_some_and(|(_, text)| *text == "bicubic");
     // Klipper's default.
-    let tension = if mesh.item("tension").is_some() { mesh.number("tension", origin)?.1 } else { 0.2 };
+    let mut tension = 0.2;
+    if mesh.item("tension").is_some() {
+        let (line, stated) = mesh.number("tension", origin)?;
+        if !TENSION.contains(&stated) {
+            let needed = format!("{} to {}, as Klipper accepts", TENSION.start(), TENSION.end());
+            return Err(origin.at(line, "tension", Figure(stated), needed));
+        }
+        tension = stated;
+    }
     let tension = bicubic.then_some(tension);
     let counts = [heights.first().map_or(0, Vec::len), heights.len()];
     let mut between = [0; 2];

@@ -122,7 +122,7 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
     settings.crosstalk = super::crosstalk_toml::read(&root)?;
     let grids = super::grid_toml::read(&root)?;
     let axes: Vec<Axis> = links.iter().map(|link| link.axis).collect();
-    let uncertainties = Uncertainties { axes: uncertain, ..super::uncertainty_toml::read(&root, &axes)? };
+    let uncertainties = super::uncertainty_toml::read(&root, &axes, uncertain)?;
     root.finish(None)?;
     let keys = Keys::new(text, document.get_ref());
     Ok(Description { settings, tables, grids, keys, uncertainties, numbers: numbers.into_inner() })

@@ -2,6 +2,7 @@
 
 mod axis_table;
 mod common_lag;
+mod correlation_toml;
 mod crosstalk_toml;
 pub(crate) mod grid_table;
 pub(crate) mod grid_toml;

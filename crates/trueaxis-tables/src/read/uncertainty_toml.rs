@@ -1,9 +1,9 @@
-//! `[uncertainty]`, `[uncertainty.location]` and `[axis.*.uncertainty]` of `machine.toml`.
+//! `[uncertainty]`, `[uncertainty.location]`, `[[uncertainty.correlation]]` and `[axis.*.uncertainty]` of `machine.toml`.
 
 use super::section::{KeyValue, Section};
-use super::units::{from_um, from_urad, same};
+use super::units::{degrees_from_urad, from_um, from_urad, same};
 use crate::error::FileError;
-use crate::uncertainty::{AxisUncertainty, Instrument, LocationUncertainty, Uncertainties};
+use crate::uncertainty::{AxisUncertainty, Figure, Instrument, LocationUncertainty, Uncertainties};
 use trueaxis::machine::Axis;
 
 /// Largest standard uncertainties: the largest values of the quantities themselves, in the units of the file.
@@ -81,9 +81,13 @@ pub(super) fn of_resonance(drive: &Section<'_>) -> Result<[Option<KeyValue<f64>>
     Ok([section.number("resonance_hz")?, section.number("resonance_damping")?])
 }
 
-/// Instrument and location errors of the machine with these axes, without the sections of the axes.
-pub(super) fn read(root: &Section<'_>, axes: &[Axis]) -> Result<Uncertainties, FileError> {
-    let mut found = Uncertainties::default();
+/// All that a machine with these axes states, without the columns of its tables; `of_axes`: the sections of the axes.
+pub(super) fn read(
+    root: &Section<'_>,
+    axes: &[Axis],
+    of_axes: Vec<AxisUncertainty>,
+) -> Result<Uncertainties, FileError> {
+    let mut found = Uncertainties { axes: of_axes, ..Uncertainties::default() };
     let Some(section) = root.section("uncertainty")? else { return Ok(found) };
     found.instrument = Instrument {
         device_per_length: stated(&section, "device_um_per_m", &MILLIONTHS, millionths)?,
@@ -102,6 +106,7 @@ pub(super) fn read(root: &Section<'_>, axes: &[Axis]) -> Result<Uncertainties, F
     if let Some(section) = section.section("location")? {
         found.location = read_location(section, axes)?;
     }
+    found.correlations = super::correlation_toml::read(&section, &found)?;
     section.finish(None)?;
     Ok(found)
 }
@@ -145,6 +150,7 @@ pub(super) fn read_axis(axis: &Section<'_>, of: Axis) -> Result<AxisUncertainty,
         let [resonance, damping] = of_resonance(&drive)?.map(|stated| stated.map(|stated| stated.value));
         (found.resonance_hz, found.resonance_damping) = (resonance, damping);
     }
+    read_servo(axis, &mut found)?;
     let Some(section) = axis.section("uncertainty")? else { return Ok(found) };
     let (micro, bounds, convert): (_, _, fn(f64) -> f64) =
         if of.is_rotary() { ("urad", &URAD, from_urad) } else { ("um", &UM, from_um) };
@@ -167,4 +173,22 @@ pub(super) fn read_axis(axis: &Section<'_>, of: Axis) -> Result<AxisUncertainty,
     found.degrees_of_freedom = degrees_of_freedom(&section)?;
     section.finish(None)?;
     Ok(found)
+}
+
+/// Reads `[axis.*.drive.uncertainty]` and `[axis.*.friction.uncertainty]`, whose keys are known by then.
+fn read_servo(axis: &Section<'_>, found: &mut AxisUncertainty) -> Result<(), FileError> {
+    for (name, degrees) in ["drive", "friction"].into_iter().zip(&mut found.servo_degrees_of_freedom) {
+        let Some(figures) = axis.section(name)? else { continue };
+        let Some(section) = figures.section("uncertainty")? else { continue };
+        *degrees = degrees_of_freedom(&section)?;
+        for (to, figure) in found.servo.iter_mut().zip(Figure::ALL).filter(|(_, figure)| figure.section() == name) {
+            let convert: fn(f64) -> f64 = match (figure, found.axis.is_rotary()) {
+                (Figure::Presliding, false) => from_um,
+                (Figure::Presliding, true) => degrees_from_urad,
+                _ => same,
+            };
+            *to = stated(&section, figure.key(found.axis), &SERVO, convert)?;
+        }
+    }
+    Ok(())
 }

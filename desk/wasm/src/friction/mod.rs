@@ -4,24 +4,12 @@
 
 mod bench;
 
-use crate::{Refusal, json, to_js};
+use crate::{Refusal, json, progress, to_js};
 use anyhow::Result;
 use bench::Bench;
 use std::cell::RefCell;
 use trueaxis_sim::Settings;
 use wasm_bindgen::prelude::*;
-
-#[cfg(target_arch = "wasm32")]
-#[wasm_bindgen]
-extern "C" {
-    /// The worker's callback for the progress of the current call.
-    #[wasm_bindgen(js_name = trueaxisProgress)]
-    fn progress(what: &str);
-}
-
-/// A build without a page has no worker to notify.
-#[cfg(not(target_arch = "wasm32"))]
-fn progress(_: &str) {}
 
 thread_local! {
     static BENCH: RefCell<Bench> = RefCell::default();

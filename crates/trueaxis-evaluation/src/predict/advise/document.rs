@@ -101,6 +101,9 @@ pub struct Elsewhere {
     pub places_refused: usize,
     /// Features that are better cut in the other direction.
     pub directions: Vec<Directed>,
+    /// Whether the prediction has the servo, without which all of them are compared.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub without_servo: bool,
 }
 
 /// A place of the part.

@@ -67,14 +67,14 @@ impl Asked<'_> {
         let conform = [here.conform, there.conform];
         let place = Placed { at_mm, conform, here: here.worst, there: there.worst };
         let place = there.is_better(&here, BETTER).then_some(place);
-        Ok(Elsewhere { place, places_compared, places_refused, directions: Vec::new() })
+        Ok(Elsewhere { place, places_compared, places_refused, directions: Vec::new(), without_servo: false })
     }
 
     /// The features that lost motion decides, cut in the other direction, where that is better.
     pub(super) fn directions(&self, predicted: &PredictDocument) -> Result<Vec<Directed>> {
         let depends = |of: &Predicted| {
             let budget = of.known.iter().flat_map(|known| &known.budget);
-            budget.filter(|one| one.term.starts_with("backlash")).map(|one| one.share).sum::<f64>() > LOST_MOTION
+            budget.filter(|one| one.term.starts_with("backlash")).map(|one| one.share.abs()).sum::<f64>() > LOST_MOTION
         };
         let mut found = Vec::new();
         let mut here = None;

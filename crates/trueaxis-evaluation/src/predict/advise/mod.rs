@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! y = D z + ε                        readings of a measurement; z: the uncertain quantities of the machine, of unit variance
-//! P = (1 + Dᵀ R⁻¹ D)⁻¹              what it leaves of their covariance; R: the covariance of ε
+//! P = (C⁻¹ + Dᵀ R⁻¹ D)⁻¹            what it leaves of their correlation C; R: the covariance of ε
 //! u(f)² = d P dᵀ                     d: derivatives of a feature
 //! ```
 //!
@@ -24,13 +24,14 @@ mod prior;
 mod search;
 mod shown;
 mod sights;
+mod switched;
 mod text;
 
 pub use document::{Advice, Advised, AdvisedTask, Directed, Elsewhere, Left, Measurement, Placed};
 pub use instrument::{Instrument, InstrumentKind, Touching};
 
 use super::verdict::verdict_of;
-use super::{Part, PredictDocument, Prepared, State, responses};
+use super::{Part, PredictDocument, Prepared, State, correlations, responses};
 use crate::calibrate::Task;
 use crate::predict::cut::Cut;
 use crate::predict::room::room;
@@ -81,7 +82,10 @@ pub fn advise(
             part.file.display()
         );
     }
-    let prepared = Prepared::new(machine, stated, program, part)?;
+    let mut prepared = Prepared::new(machine, stated, program, part)?;
+    if let Some(servo) = &predicted.servo {
+        prepared = prepared.with_servo(servo);
+    }
     let model = prepared.model(machine, part);
     let prior = prior_of(&model, predicted)?;
     let [low, high] = extent(model.cuts);
@@ -94,6 +98,7 @@ pub fn advise(
     let candidates = candidates(&shop, part, read)?;
     let (choice, refused) = Search::new(&prior, &shop, &candidates).choose()?;
     let mut advice = advice_of(&prior, predicted, &candidates, &choice, &shop);
+    advice.corrected = switched::corrected(predicted, &prior, program)?;
     for (of, why) in candidates.iter().zip(refused) {
         match why {
             Some(why) => advice.left_out.push(format!("{}: {why}", of.name)),
@@ -103,7 +108,8 @@ pub fn advise(
     Ok(advice)
 }
 
-/// The part at other places in X and Y, and the features that lost motion decides cut in the other direction.
+/// The part at other places in X and Y, and the features that lost motion decides cut in the other direction, all without the
+/// servo: what it leaves depends on the path, hardly on the place.
 ///
 /// # Errors
 /// As [`predict`](super::predict).
@@ -116,19 +122,21 @@ pub fn elsewhere(
 ) -> Result<Elsewhere> {
     let asked = Asked { machine, stated, program, part, seed: predicted.seed };
     let [x, y, _] = room(machine, program, part)?;
-    Ok(Elsewhere { directions: asked.directions(predicted)?, ..asked.place([x, y])? })
+    let without_servo = predicted.servo.is_some();
+    Ok(Elsewhere { directions: asked.directions(predicted)?, without_servo, ..asked.place([x, y])? })
 }
 
 fn prior_of<'m>(model: &'m Model<'m>, predicted: &PredictDocument) -> Result<Prior<'m>> {
     let unknowns: Vec<Unknown> = model.all_unknowns();
-    let at_zero = model.cut(&model.nothing(), State::Corrected)?;
+    let at_zero = model.cut(&model.nothing(), State::Everything)?;
     let responses = responses(model, &unknowns, &at_zero)?;
     let limits: Vec<[f64; 2]> = model.part.tolerances.iter().map(|of| of.limits).collect();
     let features = prior::features(&predicted.features, &limits, |index| {
         let derivatives = responses.iter().map(|of| of.derivatives[index]).collect();
         [derivatives, responses.iter().map(|of| of.contributions[index]).collect()]
     })?;
-    Ok(Prior { model, unknowns, features, trials: predicted.trials, seed: predicted.seed })
+    let correlations = correlations(model, &unknowns);
+    Ok(Prior { model, unknowns, correlations, features, trials: predicted.trials, seed: predicted.seed })
 }
 
 /// Lowest and highest positions of X, Y, Z on the part's features.
@@ -222,16 +230,9 @@ fn advice_of(
         left_out: Vec::new(),
         independent: independent(choice.chosen.iter().map(|k| &candidates[*k])),
         elsewhere: None,
-        corrected: corrected(predicted, prior),
+        corrected: Vec::new(),
         task: (!artefacts.is_empty()).then_some(AdvisedTask { probe, scatter_mm, artefacts }),
     }
-}
-
-fn said_of(title: &str, with: &str, without: &str) -> String {
-    let of = |verdict: &str| if verdict == "undecided" { format!("is {verdict}") } else { verdict.to_owned() };
-    // "bore, size": the subject of a sentence.
-    let [subject, with, without] = [title.replacen(", ", " ", 1), of(with), of(without)];
-    format!("{subject} {with} with the correction on; without it, it {without}")
 }
 
 /// Lasers that are used more than once.
@@ -246,19 +247,4 @@ fn independent<'a>(chosen: impl Iterator<Item = &'a Candidate>) -> Vec<String> {
         names.push(name);
     }
     twice
-}
-
-/// What to say of characteristics to which the correction gives another verdict: with the same uncertainty about the uncorrected value.
-fn corrected(predicted: &PredictDocument, prior: &Prior<'_>) -> Vec<String> {
-    let verdicts = |index: usize| {
-        let (of, own) = (&predicted.features[index], &prior.features[index]);
-        let by = 1e-3 * (of.uncorrected_um - of.corrected_um);
-        let without = Interval { low: own.interval.low + by, high: own.interval.high + by };
-        [without, own.interval].map(|interval| verdict_of(interval, own.limits))
-    };
-    let said = |index: usize| {
-        let [without, with] = verdicts(index);
-        (without != with).then(|| said_of(&predicted.features[index].title(), with, without))
-    };
-    (0..predicted.features.len()).filter_map(said).collect()
 }

@@ -5,7 +5,7 @@ use crate::predict::cut::State;
 use crate::predict::unknowns::{Model, Unknown};
 use anyhow::{Result, anyhow};
 use trueaxis_metrology::cores::*;
-use trueaxis_metrology::uncertainty::{Draws, Interval, Update, Verdict, quantile, verdict_within};
+use trueaxis_metrology::uncertainty::{Correlations, Draws, Interval, Update, Verdict, quantile, verdict_within};
 
 /// Draws cut by exact transforms for a characteristic that does not follow its derivatives.
 const CUT: u64 = 1000;
@@ -31,6 +31,8 @@ pub(super) struct Feature {
 pub(super) struct Prior<'m> {
     pub(super) model: &'m Model<'m>,
     pub(super) unknowns: Vec<Unknown>,
+    /// Of the unknowns.
+    pub(super) correlations: Correlations,
     pub(super) features: Vec<Feature>,
     pub(super) trials: u64,
     pub(super) seed: u64,
@@ -41,13 +43,13 @@ pub(super) fn is_decided(interval: Interval, limits: [f64; 2]) -> bool {
     verdict_within(interval, limits) != Verdict::Undecided
 }
 
-/// Readings of unit variance.
-pub(super) fn update(readings: &Readings) -> Option<Update> {
-    let unit = |k: usize| (0..readings.len()).map(|j| f64::from(u8::from(j == k))).collect();
-    Update::new(readings, &(0..readings.len()).map(unit).collect::<Vec<_>>())
-}
-
 impl Prior<'_> {
+    /// What readings of unit variance leave.
+    pub(super) fn update(&self, readings: &Readings) -> Option<Update> {
+        let unit = |k: usize| (0..readings.len()).map(|j| f64::from(u8::from(j == k))).collect();
+        Update::new(readings, &(0..readings.len()).map(unit).collect::<Vec<_>>(), &self.correlations)
+    }
+
     /// The interval that a feature is expected to have: its parts scale with what is left of the uncertainty.
     pub(super) fn expected(&self, update: Option<&Update>, variances: &[f64], of: &Feature) -> Interval {
         let Some(update) = update else { return of.interval };
@@ -59,7 +61,7 @@ impl Prior<'_> {
             let left: f64 = of.effects.iter().zip(variances).map(|(part, left)| part * part * left).sum();
             left / squares(&of.effects).max(f64::MIN_POSITIVE)
         } else {
-            update.variance(&of.derivatives) / squares(&of.derivatives).max(f64::MIN_POSITIVE)
+            update.variance(&of.derivatives) / update.before(&of.derivatives).max(f64::MIN_POSITIVE)
         };
         let end = |end: f64| of.value + share.min(1.0).sqrt() * (end - of.value);
         Interval { low: end(of.interval.low), high: end(of.interval.high) }
@@ -67,7 +69,9 @@ impl Prior<'_> {
 
     /// The intervals after these readings, from draws: z − ẑ in place of z.
     pub(super) fn after(&self, readings: &Readings) -> Result<Vec<Interval>> {
-        let Some(update) = update(readings) else { return Ok(self.features.iter().map(|of| of.interval).collect()) };
+        let Some(update) = self.update(readings) else {
+            return Ok(self.features.iter().map(|of| of.interval).collect());
+        };
         let weights: Vec<Vec<f64>> = self.features.iter().map(|of| update.weights(&of.derivatives)).collect();
         let draw = |number: u64| self.draw(&update, &weights, number);
         let drawn: Vec<Vec<Option<f64>>> = (0..self.trials).into_par_iter().map(draw).collect::<Result<_>>()?;
@@ -93,7 +97,7 @@ impl Prior<'_> {
             for (unknown, (z, known)) in self.unknowns.iter().zip(z.iter().zip(update.estimate(&read))) {
                 left.set(unknown, z - known);
             }
-            cut = Some(self.model.cut(&left, State::Corrected)?);
+            cut = Some(self.model.cut(&left, State::Everything)?);
         }
         let value = |(index, of): (usize, &Feature)| {
             if of.is_cut {
@@ -106,15 +110,16 @@ impl Prior<'_> {
         Ok(self.features.iter().enumerate().map(value).collect())
     }
 
-    /// The terms that keep a feature's uncertainty after readings, largest share first: name, share, and whether a reading
-    /// depends on it.
+    /// The terms that keep a feature's uncertainty after readings, largest share first: name, share without what they have in
+    /// common, and whether a reading depends on it or on one that it is correlated with.
     pub(super) fn left(&self, readings: &Readings, of: &Feature) -> Vec<(String, f64, bool)> {
-        let variances = update(readings).map(|update| update.variances());
+        let update = self.update(readings);
+        let variances = update.as_ref().map(|update| update.variances());
         let mut terms = vec![(0.0, false); self.model.terms.all.len()];
         for (k, (unknown, effect)) in self.unknowns.iter().zip(&of.effects).enumerate() {
             let left = variances.as_ref().map_or(1.0, |all| all[k]);
             terms[unknown.term].0 += effect * effect * left;
-            terms[unknown.term].1 |= readings.iter().any(|row| row[k].abs() > 1e-9);
+            terms[unknown.term].1 |= update.as_ref().is_some_and(|update| update.sees(k));
         }
         let whole: f64 = terms.iter().map(|(left, _)| left).sum();
         let named = self.model.terms.all.iter().zip(terms).filter(|(_, (left, _))| *left > 0.0);
@@ -136,7 +141,7 @@ pub(super) fn features(
         let [derivatives, effects] = derivatives(index);
         let Interval { low, high } = known.interval_um;
         Ok(Feature {
-            value: 1e-3 * of.corrected_um,
+            value: 1e-3 * of.everything_um.unwrap_or(of.corrected_um),
             interval: Interval { low: 1e-3 * low, high: 1e-3 * high },
             limits: limits[index],
             is_cut: known.parts_cut.is_some(),

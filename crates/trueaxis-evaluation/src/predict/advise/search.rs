@@ -2,7 +2,7 @@
 
 use super::candidate::{Candidate, Shop, Way};
 use super::design::{Block, Readings, of_sights, of_task, task_of};
-use super::prior::{Prior, is_decided, update};
+use super::prior::{Prior, is_decided};
 use anyhow::Result;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -123,7 +123,7 @@ impl<'s> Search<'s> {
     }
 
     fn expected(&self, readings: &Readings) -> Vec<Interval> {
-        let update = update(readings);
+        let update = self.prior.update(readings);
         let variances = update.as_ref().map(|update| update.variances()).unwrap_or_default();
         self.prior.features.iter().map(|of| self.prior.expected(update.as_ref(), &variances, of)).collect()
     }

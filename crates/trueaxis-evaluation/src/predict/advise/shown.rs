@@ -109,7 +109,8 @@ impl Elsewhere {
                  the process is not included)"
             )
         });
-        std::iter::once(place).chain(directions).collect()
+        let servo = "places and directions are compared without the servo, which leaves about the same everywhere";
+        std::iter::once(place).chain(directions).chain(self.without_servo.then(|| servo.into())).collect()
     }
 }
 

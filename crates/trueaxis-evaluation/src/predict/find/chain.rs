@@ -2,7 +2,7 @@
 
 use super::path::{Piece, corners, direction, normal};
 use crate::predict::chords::circle_of_chords;
-use crate::predict::circle::NEAR;
+use crate::predict::circle::{NEAR, circle_through};
 use crate::predict::kinds::FeatureKind;
 use crate::predict::locate::ends;
 use glam::DVec3;
@@ -49,6 +49,8 @@ fn kind(chain: &[Move]) -> Option<FeatureKind> {
             return is_level.then_some(FeatureKind::Line);
         }
         let is_full = |turn: f64| turn > TAU - 1e-3;
+        // The rim of a tilted cone is in no plane of G17 to G19.
+        let axis = circle_through(&corners).map_or(axis, |(_, normal)| normal);
         if circle_of_chords(&corners, axis, NEAR).is_some_and(|chords| is_full(chords.angle)) {
             return Some(FeatureKind::Circle);
         }

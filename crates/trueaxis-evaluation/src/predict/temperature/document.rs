@@ -1,6 +1,7 @@
 //! Temperatures of a predicted part, as a document.
 
-use super::{Growth, PartTemperature, between};
+use super::{Growth, Warm, between};
+use crate::predict::Part;
 use serde::Serialize;
 use trueaxis::machine::{AXES, Axis};
 
@@ -13,6 +14,8 @@ pub struct TemperatureDocument {
     /// Start of the program after the record's first row.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_s: Option<f64>,
+    /// Starts of the further set-ups after the record's first row; none at a constant temperature.
+    pub setups: Vec<SetupStart>,
     /// First and last cut of a feature after the start of the program.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cut_s: Option<[f64; 2]>,
@@ -26,6 +29,15 @@ pub struct TemperatureDocument {
     /// Expansion of the part.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub part_expansion_um_per_m_k: Option<f64>,
+}
+
+/// When a further set-up starts in a record.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SetupStart {
+    /// Its name.
+    pub name: String,
+    /// Start of its program after the record's first row.
+    pub start_s: f64,
 }
 
 /// Temperatures of a sensor.
@@ -51,28 +63,35 @@ pub struct AxisGrowth {
 /// The document of a growth between two times with the axes at these positions, and of the part's temperature; `None` if there
 /// is neither.
 pub(in crate::predict) fn document(
-    growth: Option<(&Growth, [f64; 2])>,
-    part: &PartTemperature,
+    warm: Option<(&Warm<'_>, [f64; 2])>,
+    part: &Part,
     at: [[f64; AXES]; 2],
 ) -> Option<TemperatureDocument> {
-    let part_c = part.part.map(|part| part.celsius);
-    if growth.is_none() && part_c.is_none() {
+    let expansion = part.temperature.part;
+    let part_c = expansion.map(|part| part.celsius);
+    if warm.is_none() && part_c.is_none() {
         return None;
     }
     let mut document = TemperatureDocument {
         record: None,
         start_s: None,
+        setups: Vec::new(),
         cut_s: None,
         sensors: Vec::new(),
         growth: Vec::new(),
         part_c,
-        part_expansion_um_per_m_k: part.part.map(|part| 1e6 * part.per_k),
+        part_expansion_um_per_m_k: expansion.map(|part| 1e6 * part.per_k),
     };
-    let Some((growth, cut_s)) = growth else { return Some(document) };
+    let Some((warm, cut_s)) = warm else { return Some(document) };
+    let growth = warm.growth;
     let mut names = vec![String::from("machine")];
     if let Some(record) = &growth.record {
         document.record = Some(record.file.display().to_string());
         document.start_s = Some(record.start_s);
+        let starts = part.setups.iter().zip(warm.starts_s());
+        document.setups = starts
+            .map(|(setup, start_s)| SetupStart { name: setup.name.clone(), start_s: record.start_s + start_s })
+            .collect();
         document.cut_s = Some(cut_s);
         names.clone_from(&record.sensors);
     }
@@ -115,6 +134,7 @@ impl TemperatureDocument {
         if let (Some(record), Some(start), Some([first, last])) = (&self.record, self.start_s, self.cut_s) {
             lines.push(format!("temperatures of {record}; the program starts {start} s into it"));
             lines.push(format!("features cut {first:.0} to {last:.0} s after that"));
+            lines.extend(self.setups.iter().map(|of| format!("set-up {} starts {:.0} s into it", of.name, of.start_s)));
         }
         if !self.sensors.is_empty() {
             let sensors = self.sensors.iter().map(|of| format!("{} {}", of.name, range(of.celsius, "°C", 1)));

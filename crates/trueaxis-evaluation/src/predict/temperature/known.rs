@@ -37,6 +37,7 @@ pub(in crate::predict) fn add_terms(
     // A thermal.toml or a part's temperature alone allow no verdict on a machine of which nothing is known.
     if !is_known {
         terms.all.clear();
+        terms.keys.clear();
     }
 }
 

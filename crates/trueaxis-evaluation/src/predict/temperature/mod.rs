@@ -15,24 +15,26 @@ mod known;
 mod model;
 mod part;
 mod record;
+mod warm;
 
 pub(super) use document::document;
-pub use document::{AxisGrowth, SensorTemperature, TemperatureDocument};
+pub use document::{AxisGrowth, SensorTemperature, SetupStart, TemperatureDocument};
 pub(super) use known::{add_terms, part_length};
 pub use model::GrowthModel;
 pub(super) use model::Lines;
 pub(super) use part::read_temperature;
 pub use part::{Expansion, PartTemperature};
 pub use record::{TEMPERATURES, TemperatureRecord};
+pub(super) use warm::Warm;
 
-use super::times::Times;
 use anyhow::Result;
 use model::Line;
 use record::Reading;
 use std::path::PathBuf;
-use trueaxis_sim::program::Program;
-use trueaxis_tables::Machine;
 use trueaxis_tables::error::FileError;
+
+/// A day, s.
+const DAY_S: f64 = 86_400.0;
 
 /// When a program starts in a record of temperatures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,11 +45,23 @@ pub enum Start {
     At(f64),
 }
 
+impl Start {
+    /// Seconds since midnight of a time on the clock, `HH:MM`.
+    pub fn clock(text: &str) -> Option<f64> {
+        let (hours, minutes) = text.split_once(':')?;
+        let is_number = |digits: &str| digits.bytes().all(|of| of.is_ascii_digit());
+        let part =
+            |digits: &str, most: u32| digits.parse::<u32>().ok().filter(|found| is_number(digits) && *found <= most);
+        let minutes = part(minutes, 59).filter(|_| minutes.len() == 2)?;
+        Some(f64::from(3600 * part(hours, 23)? + 60 * minutes))
+    }
+}
+
 /// Growth of a machine while a part is cut.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Growth {
     model: GrowthModel,
-    /// In the order of the model's sensors; times count from the program's start. One alone: a constant temperature.
+    /// In the order of the model's sensors; times count from the start of the first program. One alone: a constant temperature.
     readings: Vec<Reading>,
     /// The line of every reading.
     lines: Vec<Lines>,
@@ -60,7 +74,9 @@ pub struct Growth {
 #[derive(Clone, Debug, PartialEq)]
 struct Recorded {
     file: PathBuf,
-    /// Program start after the first row, s.
+    /// `t_s` of the first row.
+    first_s: f64,
+    /// Start of the first program after the first row, s.
     start_s: f64,
     /// Names of the sensors.
     sensors: Vec<String>,
@@ -113,6 +129,8 @@ impl Growth {
         let [first, last] = [record.readings.first(), record.readings.last()].map(|of| of.map_or(0.0, |of| of.t_s));
         let at = match start {
             Start::After(seconds) => first + seconds,
+            // After midnight, t_s goes on.
+            Start::At(seconds) if seconds < first && seconds + DAY_S <= last => seconds + DAY_S,
             Start::At(seconds) => seconds,
         };
         if !(first..=last).contains(&at) {
@@ -132,16 +150,16 @@ impl Growth {
             refused(line, "", found, "readings that the thermal task of the controller takes".into())
         })?;
         let unused = record.sensors.iter().filter(|name| !sensors.contains(name)).cloned().collect();
-        let recorded = Recorded { file: record.file.clone(), start_s: at - first, sensors, unused };
+        let recorded = Recorded { file: record.file.clone(), first_s: first, start_s: at - first, sensors, unused };
         Ok(Growth { model, readings, lines, is_beyond, record: Some(recorded) })
     }
 
-    /// Whether it follows a record, from the start of one program on.
+    /// Whether it follows a record.
     pub(super) fn is_recorded(&self) -> bool {
         self.record.is_some()
     }
 
-    /// Growth at a time since the program's start, s: between two readings in proportion to time.
+    /// Growth at a time since the start of the first program, s: between two readings in proportion to time.
     pub(super) fn at(&self, t_s: f64) -> Lines {
         between(
             &self.readings,
@@ -172,7 +190,7 @@ impl Growth {
             column: Some("t_s".into()),
             found: format!("the last row {} after the first", time(begun)),
             needed: format!(
-                "rows until {}: the program starts at {} and its last feature is cut {} later",
+                "rows until {}: the program starts at {} and the last feature is cut {} later",
                 time(record.start_s + until_s),
                 time(record.start_s),
                 time(until_s)
@@ -192,44 +210,5 @@ fn between<T>(readings: &[Reading], t_s: f64, value: impl Fn(usize) -> T, mix: i
             let [early, late] = [readings[after - 1].t_s, readings[after].t_s];
             mix(value(after - 1), value(after), (t_s - early) / (late - early))
         }
-    }
-}
-
-/// The growth at every place of a program.
-pub(super) struct Warm<'g> {
-    pub(super) growth: &'g Growth,
-    /// Absent at a constant temperature.
-    times: Option<Times>,
-}
-
-impl<'g> Warm<'g> {
-    pub(super) fn new(
-        growth: &'g Growth,
-        (machine, at_mm): (&Machine, [f64; 3]),
-        program: &Program,
-    ) -> Result<Warm<'g>> {
-        let times = growth.record.as_ref().map(|_| Times::of(machine, program, at_mm)).transpose()?;
-        Ok(Warm { growth, times })
-    }
-
-    /// Time at a parameter on a move, s from the program's start; 0 at a constant temperature.
-    fn time(&self, (step, u): (usize, f64)) -> f64 {
-        self.times.as_ref().map_or(0.0, |times| times.at(step, u))
-    }
-
-    /// Growth at a parameter on a move.
-    pub(super) fn at(&self, place: (usize, f64)) -> Lines {
-        self.growth.at(self.time(place))
-    }
-
-    /// Times of the first and last of these places.
-    ///
-    /// # Errors
-    /// A record that ends earlier.
-    pub(super) fn span(&self, places: impl Iterator<Item = (usize, f64)>) -> Result<[f64; 2]> {
-        let times = places.map(|place| self.time(place));
-        let [first, last] = times.fold([f64::INFINITY, 0.0_f64], |[low, high], time| [low.min(time), high.max(time)]);
-        self.growth.lasts(last)?;
-        Ok([first.min(last), last])
     }
 }
