@@ -1,11 +1,15 @@
 //! The evaluations, compared with independent values.
 
+#[cfg(feature = "simulated")]
+mod angular;
 mod correlation;
 mod covariance;
 mod coverage;
 mod diagonal;
 mod field;
 mod helicoid;
+#[cfg(feature = "simulated")]
+mod hour;
 mod plane;
 #[cfg(feature = "simulated")]
 mod plate_on_edge;

@@ -56,7 +56,7 @@ fn a_bore_alone_cannot_separate_scale_and_tip() {
         let (sin, cos) = (f64::from(k) * 0.4).sin_cos();
         let tip_mm = [22.0 * cos, 22.0 * sin, 0.0];
         let surface = Surface::Bore { diameter: 2, centre: 3, plane: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] };
-        Touch { tip_mm, surface, response: vec![tip_mm], drift: Vec::new() }
+        Touch { tip_mm, surface, response: vec![tip_mm], drift: Vec::new(), own_tip: None }
     };
     let network = Network { unknowns, terms: 1, tip: 1, touches: (0..16).map(touch).collect(), repeatability_mm: 1e-3 };
     match network.solve() {
@@ -101,7 +101,13 @@ fn residuals_are_divided_by_the_degrees_of_freedom() {
                 let part = |unknown| Part { unknown, factor: 1.0, along: None };
                 let parts = vec![part(2), part(unknown)];
                 let surface = Surface::Face { normal: [1.0, 0.0, 0.0], outward: -1.0, known_mm: at, parts };
-                touches.push(Touch { tip_mm, surface, response: vec![[tip_mm[0], 0.0, 0.0]], drift: Vec::new() });
+                touches.push(Touch {
+                    tip_mm,
+                    surface,
+                    response: vec![[tip_mm[0], 0.0, 0.0]],
+                    drift: Vec::new(),
+                    own_tip: None,
+                });
             }
         }
         let found = Network { unknowns, terms: 1, tip: 1, touches, repeatability_mm: 1e-3 }.solve().unwrap();
@@ -129,7 +135,13 @@ fn a_tilted_plate_keeps_its_length() {
             let tip_mm = [centre[0] + 13.0 * u, centre[1] + 13.0 * v, centre[2] + 13.0 * w];
             let surface =
                 Surface::Ball { diameter: 8, origin: 2, offset: [a, b, 0.0], turn: Some(5), own: None, length: None };
-            touches.push(Touch { tip_mm, surface, response: vec![[tip_mm[0], 0.0, 0.0]], drift: Vec::new() });
+            touches.push(Touch {
+                tip_mm,
+                surface,
+                response: vec![[tip_mm[0], 0.0, 0.0]],
+                drift: Vec::new(),
+                own_tip: None,
+            });
         }
     }
     let found = Network { unknowns, terms: 1, tip: 1, touches, repeatability_mm: 1e-3 }.foresee().unwrap();
@@ -171,7 +183,13 @@ fn a_turned_plate_of_unknown_places_shows_the_skew_of_a_machine() {
                     along,
                     weight: 2_f64.sqrt(),
                 });
-                touches.push(Touch { tip_mm, surface, response: vec![[-tip_mm[1], 0.0, 0.0]], drift: Vec::new() });
+                touches.push(Touch {
+                    tip_mm,
+                    surface,
+                    response: vec![[-tip_mm[1], 0.0, 0.0]],
+                    drift: Vec::new(),
+                    own_tip: None,
+                });
             }
         }
     }

@@ -18,7 +18,10 @@ pub(crate) const EXAMPLE: &str = "\
 Example:
   trueaxis calibrate plan records/probing/task.toml -o probe.ngc
   trueaxis calibrate plan records/probing/dial.toml -o sheet.csv
-  trueaxis calibrate plan records/probing/plate.toml -o plate.ngc";
+  trueaxis calibrate plan records/probing/plate.toml -o plate.ngc
+  cp -r records/probing trial
+  trueaxis calibrate plan trial/hour.toml --minutes 60 \\
+      --placed trial/placed.toml -o trial/hour.ngc";
 
 const SIMULATE: &str = "\
 Example:
@@ -116,6 +119,18 @@ Readings of a dial indicator, in place of touches:
 `plan` then writes a sheet with a row for every reading, and `solve` takes it filled in. Faces, squares and bars are \
 read a second time turned by 180 degrees, in which their own errors cancel; a face is turned over about its length: \
 each end stays where it is.
+With --minutes, artefacts without [[artefact.place]] get the places that reduce the error of the tip over the volume \
+most in that time; stated places are kept, and the reference needs one. Roll, pitch and yaw are among the terms with \
+angular_degree:
+
+  [solve]
+  angular_degree = 3
+  [plan]
+  styli_mm = [100.0, 200.0]         # lengths of the styli that there are
+  free_mm = [[0.0, 500.0], [0.0, 400.0], [-300.0, 0.0]]
+  set_up_minutes = 3.0
+  tools_mm = [120.0]                # of the tools that it works with
+
 All keys: docs/calibration.md";
 
 #[derive(Subcommand)]
@@ -139,7 +154,14 @@ pub(crate) struct PlanArgs {
     /// The program, or the sheet for a dial's readings [default: standard output].
     #[arg(short, long, value_name = "probe.ngc")]
     output: Option<PathBuf>,
-    /// Print one JSON document with the expected standard error of every term.
+    /// Choose places for the artefacts that have none: those that reduce the error over the volume most in this time, minutes
+    /// with setting up.
+    #[arg(long, value_name = "N", requires = "placed", help_heading = "Choosing places")]
+    minutes: Option<f64>,
+    /// The task with the chosen places, for `simulate` and `solve`; in the folder of TASK.toml.
+    #[arg(long, value_name = "PLACED.toml", requires = "minutes", help_heading = "Choosing places")]
+    placed: Option<PathBuf>,
+    /// Print one JSON document with the expected standard error of every term, or with the chosen places.
     #[arg(long, requires = "output")]
     json: bool,
 }
@@ -205,7 +227,10 @@ struct Read {
 }
 
 fn read(path: &Path) -> Result<Read> {
-    let task = Task::read(&model::text(path)?, path)?;
+    of_task(Task::read(&model::text(path)?, path)?, path)
+}
+
+fn of_task(task: Task, path: &Path) -> Result<Read> {
     let at = path.parent().unwrap_or(Path::new("")).join(&task.machine);
     let (folder, name) = Folder::of_machine(&at);
     let machine =

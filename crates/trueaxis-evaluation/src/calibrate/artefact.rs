@@ -34,6 +34,8 @@ pub enum Kind {
         diameter_mm: f64,
         /// Ball centres relative to the first, along the plate's first, second and upward directions, mm.
         balls_mm: Vec<[f64; 3]>,
+        /// Whether a ball is touched in five points instead of all.
+        few: bool,
     },
     /// Faces in a row, all facing back along it.
     Gauge {
@@ -99,8 +101,8 @@ impl Artefact {
     }
 }
 
-/// Reads an artefact; `before`: those above it in the task.
-pub(super) fn read_artefact(section: Section<'_>, before: &[Artefact]) -> Result<Artefact, FileError> {
+/// Reads an artefact; `before`: those above it in the task; `is_open`: whether its places may be missing.
+pub(super) fn read_artefact(section: Section<'_>, before: &[Artefact], is_open: bool) -> Result<Artefact, FileError> {
     let line = section.first_line();
     let name = section.string("name")?.ok_or_else(|| section.missing_here("name", "its name"))?.value.to_owned();
     let kind = section.string("kind")?.ok_or_else(|| section.missing_here("kind", KINDS))?;
@@ -123,7 +125,12 @@ pub(super) fn read_artefact(section: Section<'_>, before: &[Artefact]) -> Result
             if !(3..=100).contains(&balls.value.len()) || balls.value.first() != Some(&[0.0; 3]) {
                 return Err(section.wrong(&balls, "3 to 100 centres, the first of them [0, 0, 0]"));
             }
-            Kind::Plate { diameter_mm: diameter()?, balls_mm: balls.value }
+            let points = whole(&section, "points", [5, 13])?.unwrap_or(13);
+            if points != 5 && points != 13 {
+                let needed = "5 touches of every ball, around it and on top, or all 13";
+                return Err(section.at(line, "points", &points.to_string(), needed));
+            }
+            Kind::Plate { diameter_mm: diameter()?, balls_mm: balls.value, few: points == 5 }
         }
         "step gauge" => {
             let steps = section.list("steps_mm")?;
@@ -165,8 +172,9 @@ pub(super) fn read_artefact(section: Section<'_>, before: &[Artefact]) -> Result
     let length_uncertainty = length_uncertainty.map(|ppm| 1e-6 * ppm);
     let tolerance_mm = 1e-3 * number(&section, "tolerance_um", [1.0, 1e5], " um")?.unwrap_or(150.0);
     let places = section.sections("place")?;
-    if places.is_empty() {
-        return Err(section.missing_here("place", "at least one section [[artefact.place]]"));
+    if places.is_empty() && !is_open {
+        let needed = "at least one section [[artefact.place]], or `calibrate plan --minutes` to choose them";
+        return Err(section.missing_here("place", needed));
     }
     let places = places.into_iter().map(|place| read_place(place, &shape)).collect::<Result<_, _>>()?;
     section.finish(None)?;
@@ -230,6 +238,7 @@ fn read_place(section: Section<'_>, kind: &Kind) -> Result<Place, FileError> {
         base: false,
         turn: 0,
         rotary_deg: vec![[0.0; 3]],
+        stylus_mm: number(&section, "stylus_mm", [1.0, 2000.0], " mm")?,
         line,
     };
     if !matches!(kind, Kind::Ball { .. }) {

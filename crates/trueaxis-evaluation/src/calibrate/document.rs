@@ -7,7 +7,7 @@ use super::terms::Term;
 use crate::uncertainty::{CovarianceDocument, Estimate};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use trueaxis::machine::Axis;
+use trueaxis::machine::{AXES, Axis};
 use trueaxis_report::number::significant;
 use trueaxis_tables::finding::OVERCOMPENSATED;
 use trueaxis_tables::finding::{Finding, Fit, Known};
@@ -86,7 +86,7 @@ pub struct CalibrationDocument {
     /// Location errors found, `C0Y_urad`, `EX0C_um`.
     pub location: BTreeMap<String, f64>,
     /// For every linear axis `scale_ppm`, `backlash_um`, and the range (maximum less minimum) of its curves without the scale,
-    /// `EXX_um`.
+    /// `EXX_um`, `EAX_urad`.
     pub axes: BTreeMap<String, BTreeMap<String, f64>>,
     /// Standard errors under the same names, by `location` and by axis; for curves, the root mean square over the touched
     /// range.
@@ -144,6 +144,13 @@ impl Calibration {
                 Size { name: name.clone(), stated: shown(start), found: shown(value), standard_error: error }
             })
         });
+        let first_tip = observed.network.tip;
+        let tips = observed.tips.iter().filter(|tip| **tip != first_tip).map(|&tip| Size {
+            name: observed.names[tip].clone(),
+            stated: observed.network.unknowns[tip].start,
+            found: solution.values[tip],
+            standard_error: 1e3 * solution.standard_errors[tip],
+        });
         let at = |knot: Option<usize>, k: usize| knot.map_or(0.0, |index| 1e3 * solution.values[index + k]);
         let drift = observed.knots.iter().map(|&(time_s, knot)| Drift { time_s, um: [0, 1, 2].map(|k| at(knot, k)) });
         let tip = observed.network.tip;
@@ -164,7 +171,7 @@ impl Calibration {
             standard_errors: errors,
             tip_radius_mm: solution.values[tip],
             tip_radius_standard_error_um: 1e3 * solution.standard_errors[tip],
-            artefacts: sizes.collect(),
+            artefacts: sizes.chain(tips).collect(),
             drift: drift.collect(),
             warnings: self.warnings(task),
         }
@@ -196,10 +203,14 @@ impl Calibration {
         for (index, unknown) in self.observed.network.unknowns.iter().enumerate() {
             let away = solution.values[index] - unknown.start;
             if let Some(stated) = unknown.uncertainty.filter(|stated| away.abs() > PULLED * stated) {
-                let (factor, unit) = match index {
-                    _ if self.observed.angles.contains(&index) => (1e6, "µrad"),
-                    _ if self.observed.lengths.contains(&Some(index)) => (1e6, "ppm"),
-                    _ => (1e3, "µm"),
+                let (factor, unit) = match terms.terms.get(index) {
+                    Some(term) => {
+                        let (unit, factor) = term.unit();
+                        (factor, unit)
+                    }
+                    None if self.observed.angles.contains(&index) => (1e6, "µrad"),
+                    None if self.observed.lengths.contains(&Some(index)) => (1e6, "ppm"),
+                    None => (1e3, "µm"),
                 };
                 let name = &self.observed.names[index];
                 warnings.push(format!(
@@ -219,8 +230,11 @@ impl Calibration {
             }
             let travel = |axis: Axis| terms.travel_mm[axis.index() % 3];
             let effect = match *term {
-                Term::Curve { axis, degree, .. } => {
-                    travel(axis).map(|q| terms.curve(axis, degree, q).abs()).into_iter().fold(0.0, f64::max) * error
+                // Those that no touch sees are named.
+                Term::Curve { component: 3.., .. } => 0.0,
+                Term::Curve { axis, component, degree } => {
+                    travel(axis).map(|q| terms.curve(axis, component, degree, q).abs()).into_iter().fold(0.0, f64::max)
+                        * error
                 }
                 Term::Squareness(which) => {
                     let [low, high] = travel(if which == 0 { Axis::Y } else { Axis::Z });
@@ -236,10 +250,11 @@ impl Calibration {
                 ));
             }
         }
+        warnings.extend(self.unseen_words(task));
         warnings
     }
 
-    /// Curve of an axis at a position, without its scale unless `with_scale`, and its standard error, mm.
+    /// Curve of an axis at a position, without its scale unless `with_scale`, and its standard error, mm or rad.
     pub fn shape(&self, axis: Axis, component: u8, position: f64, with_scale: bool) -> [f64; 2] {
         let terms = &self.observed.terms;
         let own: Vec<(usize, f64)> = terms
@@ -248,9 +263,9 @@ impl Calibration {
             .enumerate()
             .filter_map(|(index, term)| match *term {
                 Term::Curve { axis: of, component: c, degree }
-                    if of == axis && c == component && (with_scale || degree > 1) =>
+                    if of == axis && c == component && (with_scale || degree > 1 || component >= 3) =>
                 {
-                    Some((index, terms.curve(axis, degree, position)))
+                    Some((index, terms.curve(axis, component, degree, position)))
                 }
                 _ => None,
             })
@@ -290,14 +305,15 @@ impl Calibration {
         let most = shape.iter().map(|[value, _]| *value).fold(f64::NEG_INFINITY, f64::max);
         let least = shape.iter().map(|[value, _]| *value).fold(f64::INFINITY, f64::min);
         let squares: f64 = shape.iter().map(|[_, error]| error * error).sum();
-        let direction = ['X', 'Y', 'Z'][usize::from(component) % 3];
+        let direction = Axis::ALL[usize::from(component) % AXES].letter();
+        let (unit, factor) = if component < 3 { ("um", 1e3) } else { ("urad", 1e6) };
         Keyed {
             of: axis.letter().to_string(),
-            key: format!("E{direction}{}_um", axis.letter()),
-            value: 1e3 * (most - least),
-            standard_error: 1e3 * (squares / shape.len() as f64).sqrt(),
+            key: format!("E{direction}{}_{unit}", axis.letter()),
+            value: factor * (most - least),
+            standard_error: factor * (squares / shape.len() as f64).sqrt(),
             curve: Some((axis, component)),
-            rms: Some(1e3 * (shape.iter().map(|[value, _]| value * value).sum::<f64>() / shape.len() as f64).sqrt()),
+            rms: Some(factor * (shape.iter().map(|[value, _]| value * value).sum::<f64>() / shape.len() as f64).sqrt()),
         }
     }
 
@@ -323,8 +339,9 @@ impl Calibration {
                 terms.grid(axis, STEPS).into_iter().map(|q| (q, terms.error(&own, axis, q))).collect()
             });
             let value = keyed.rms.unwrap_or(keyed.value);
-            // With rotary axes the terms are known much better jointly than singly: applying one without the others does harm.
-            let moved = terms.terms.iter().any(|term| matches!(term, Term::Location(..)));
+            // With rotary axes or angular errors the terms are known much better jointly than singly: applying one without the
+            // others does harm.
+            let moved = terms.terms.iter().any(|term| matches!(term, Term::Location(..)) || term.is_angle());
             let section = if keyed.of == "location" { keyed.of } else { format!("axis.{}", keyed.of) };
             Finding {
                 key: format!("{section}.{}", keyed.key),
@@ -340,7 +357,9 @@ impl Calibration {
             left_mm: solution.sigma_mm,
             noise_mm: Some(task.probe.repeatability_mm),
         };
-        let findings: Vec<Finding> = self.values().into_iter().map(finding).collect();
+        let unseen = self.unseen();
+        let is_seen = |keyed: &Keyed| keyed.curve.is_none_or(|curve| !unseen.contains(&curve));
+        let findings: Vec<Finding> = self.values().into_iter().filter(is_seen).map(finding).collect();
         let correlations = self.correlations(&findings);
         let compensated = task.compensated;
         Additions { findings, correlations, fit: Some(fit), compensated, ..Additions::default() }

@@ -74,7 +74,9 @@ impl Planning {
     /// As [`Plan::new`] and [`foresee`].
     pub fn new(task: &Task, machine: &Machine) -> Result<Planning> {
         let plan = Plan::new(task, machine)?;
-        let Calibration { observed, solution, .. } = foresee(task, machine, &plan)?;
+        let found = foresee(task, machine, &plan)?;
+        let unseen = found.unseen_words(task);
+        let Calibration { observed, solution, .. } = found;
         let terms = observed.terms.terms.iter().zip(&solution.standard_errors).map(|(term, error)| {
             let (unit, factor) = term.unit();
             Expected { name: term.name(), standard_error: factor * error, unit }
@@ -94,7 +96,7 @@ impl Planning {
             terms: terms.chain(tilts).collect(),
             rank: solution.rank,
             condition: solution.condition,
-            warnings: drift.into_iter().chain(upright(task)).collect(),
+            warnings: drift.into_iter().chain(upright(task)).chain(unseen).collect(),
         };
         Ok(Planning { program: program(task, machine, &plan), plan, foreseen })
     }

@@ -261,6 +261,7 @@ impl Grid {
         let moved = section.numbers::<2>("moved")?;
         let by = moved.as_ref().map_or([0.0; 2], |moved| moved.value);
         let mut place = Place {
+            stylus_mm: None,
             at_mm: at.as_ref().map_or(middle, |at| at.value),
             normal,
             along: Axis::X,

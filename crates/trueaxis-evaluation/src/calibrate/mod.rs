@@ -6,8 +6,10 @@
 //!
 //! The mathematics is [`trueaxis_metrology::calibration`].
 
+mod angles;
 mod artefact;
 mod block;
+mod chosen;
 mod dial;
 mod document;
 mod faces;
@@ -29,15 +31,18 @@ mod sheet;
 mod shown;
 mod solve;
 mod source;
+pub(crate) mod stylus;
 mod target;
 mod task;
 mod terms;
 mod touches;
 mod trips;
 mod unseen;
+mod wishes;
 
 pub use artefact::{Artefact, Kind};
 pub use block::{ANGLES, Block, directions};
+pub use chosen::{Choice, Chosen, ChosenDocument, chosen};
 pub use dial::{Dial, DialKind, Reading};
 pub use document::{CalibrationDocument, Drift, Size, SolvedTerm};
 pub use figures::{Residuals, residuals};
@@ -55,3 +60,4 @@ pub use solve::{Calibration, calibrate, settle, solved};
 pub use task::{Dialect, Probe, Reference, Task, Wanted};
 pub use terms::{Pose, Term, Terms, perfect};
 pub use trips::trips;
+pub use wishes::Wishes;

@@ -10,6 +10,7 @@ use super::middles::{middle, middles, way};
 use super::place::{Place, across};
 use super::plan::{Plan, Planned};
 use super::sheet::reading;
+use super::stylus;
 use super::task::Task;
 use super::terms::{Pose, Terms, perfect};
 use super::touches::{row, square_directions, unit};
@@ -25,6 +26,8 @@ use trueaxis_tables::exact::Geometry;
 pub struct Observed {
     /// The network.
     pub network: Network,
+    /// Index of the radius of every stylus' tip; that of the first is the network's.
+    pub tips: Vec<usize>,
     /// The touch of the plan that each of the network belongs to: a plate's centre is that of two, the first of them.
     pub planned: Vec<usize>,
     /// The second touch of each centre.
@@ -56,7 +59,7 @@ impl Observed {
         let is_tilt = self.tilts().any(|tilt| tilt == index);
         is_tilt
             || index < self.network.terms
-            || index == self.network.tip
+            || self.tips.contains(&index)
             || self.sizes.iter().any(|sizes| sizes.contains(&index))
     }
 }
@@ -138,7 +141,8 @@ pub fn observe_terms(
     trips: &[[f64; AXES]],
     terms: Terms,
 ) -> Result<Observed> {
-    let ideal = Ideal::new(machine)?;
+    let ideals = stylus::ideals(task, machine)?;
+    let ideal = &ideals[0];
     let poses: Vec<Pose> = plan
         .touches
         .iter()
@@ -149,26 +153,50 @@ pub fn observe_terms(
         })
         .collect();
     let known = if task.compensated { perfect(machine) } else { machine.clone() };
-    let geometry = Geometry::new(&known, 0.0)?;
-    let responses = terms.responses(machine, &poses)?;
+    let styli = task.stylus_lengths();
+    let of_touch: Vec<usize> = plan.touches.iter().map(|touch| plan.stylus_of(task, touch)).collect();
+    let mut tip_mm = vec![[0.0; 3]; poses.len()];
+    let mut responses: Vec<Vec<[f64; 3]>> = vec![Vec::new(); poses.len()];
+    for (index, stylus) in styli.iter().enumerate() {
+        let own: Vec<usize> = (0..poses.len()).filter(|touch| of_touch[*touch] == index).collect();
+        let own_poses: Vec<Pose> = own.iter().map(|touch| poses[*touch]).collect();
+        let geometry = Geometry::new(&stylus::with_stylus(&known, *stylus), 0.0)?;
+        let all = terms.responses(&stylus::with_stylus(machine, *stylus), &own_poses)?;
+        for ((touch, pose), response) in own.into_iter().zip(&own_poses).zip(all) {
+            tip_mm[touch] = geometry.actual_pose(&pose.position, &pose.reverse).tip_mm;
+            responses[touch] = response;
+        }
+    }
 
     let mut names = Names { unknowns: Vec::new(), names: Vec::new() };
     for term in &terms.terms {
-        names.put(term.name(), 0.0, None);
+        names.put(term.name(), 0.0, term.range(&task.wanted));
     }
     let radius = task.probe.tip_radius_mm - task.probe.pre_travel_mm;
     let tip = names.put("radius of the tip".into(), radius, task.probe.tip_uncertainty_mm);
-    let artefacts = Artefacts::new(task, &ideal, &mut names);
-    let knots = knots(plan, &mut names, task.reference.is_some());
-    let touches = plan.touches.iter().zip(&poses).zip(responses).map(|((touch, pose), response)| Touch {
-        tip_mm: {
-            let (tip, contact) = (geometry.actual_pose(&pose.position, &pose.reverse).tip_mm, contact(task, touch));
-            std::array::from_fn(|k| tip[k] + contact[k])
-        },
-        surface: artefacts.surface(task, touch),
-        response,
-        drift: between(&knots, touch.time_s),
-    });
+    let mut tips = vec![tip];
+    for stylus in &styli[1..] {
+        let name = format!("radius of the tip{}", stylus::words(*stylus));
+        tips.push(names.put(name, radius, task.probe.tip_uncertainty_mm));
+    }
+    let artefacts = Artefacts::new(task, &ideals, &mut names);
+    let knots = knots(task, plan, &mut names);
+    let own_knots = |stylus: usize| knots.iter().filter(move |knot| knot.stylus == stylus);
+    let knots_of: Vec<Vec<Knot>> = (0..styli.len()).map(|stylus| own_knots(stylus).copied().collect()).collect();
+    let is_reference = |touch: &Planned| plan.visits.get(touch.visit).is_some_and(|visit| visit.reference);
+    let touches =
+        plan.touches.iter().zip(tip_mm).zip(responses).zip(&of_touch).map(|(((touch, tip_mm), response), &stylus)| {
+            Touch {
+                tip_mm: {
+                    let contact = contact(task, touch);
+                    std::array::from_fn(|k| tip_mm[k] + contact[k])
+                },
+                surface: artefacts.surface(task, touch, is_reference(touch).then_some(stylus)),
+                response,
+                drift: between(&knots_of[stylus], touch.time_s),
+                own_tip: (stylus > 0).then(|| tips[stylus]),
+            }
+        });
     let (touches, planned, opposites) = middles(plan, touches.collect());
     let network = Network {
         touches,
@@ -180,6 +208,7 @@ pub fn observe_terms(
     let Artefacts { sizes, angles, own: deviations, lengths, places, spindle, .. } = artefacts;
     Ok(Observed {
         network,
+        tips,
         planned,
         opposites,
         names: names.names,
@@ -190,35 +219,48 @@ pub fn observe_terms(
         deviations,
         lengths,
         places,
-        knots,
+        knots: knots.iter().map(|knot| (knot.time_s, knot.first)).collect(),
     })
 }
 
-/// Drift knots, one in the middle of every visit to the reference.
-fn knots(plan: &Plan, names: &mut Names, reference: bool) -> Vec<(f64, Option<usize>)> {
-    if !reference {
+/// A visit to the reference.
+#[derive(Clone, Copy)]
+struct Knot {
+    time_s: f64,
+    /// Index of the first of three components; `None` at the first visit with a stylus.
+    first: Option<usize>,
+    stylus: usize,
+}
+
+/// Drift knots, one in the middle of every visit to the reference. With every stylus the reference is at another place, so
+/// that the drift counts from the first visit with it.
+fn knots(task: &Task, plan: &Plan, names: &mut Names) -> Vec<Knot> {
+    if task.reference.is_none() {
         return Vec::new();
     }
     let visits = plan.visits.iter().enumerate().filter(|(_, visit)| visit.reference);
     let times = visits.filter_map(|(index, _)| {
         let own = || plan.touches.iter().filter(|touch| touch.visit == index).map(|touch| touch.time_s);
         let count = own().count();
-        (count > 0).then(|| own().sum::<f64>() / count as f64)
+        (count > 0).then(|| (own().sum::<f64>() / count as f64, task.stylus_of(plan.visits[index].set_up)))
     });
+    let mut seen: Vec<usize> = Vec::new();
     times
         .enumerate()
-        .map(|(knot, time)| {
+        .map(|(knot, (time_s, stylus))| {
             let name = |axis: char| format!("drift of {axis} at visit {} of the reference", knot + 1);
-            let first = (knot > 0).then(|| names.put_all(['X', 'Y', 'Z'].map(name), [0.0; 3], None));
-            (time, first)
+            let is_first = !seen.contains(&stylus);
+            seen.push(stylus);
+            let first = (!is_first).then(|| names.put_all(['X', 'Y', 'Z'].map(name), [0.0; 3], None));
+            Knot { time_s, first, stylus }
         })
         .collect()
 }
 
 /// Interpolation weights of the knots at a time.
-fn between(knots: &[(f64, Option<usize>)], time: f64) -> Vec<(usize, f64)> {
-    let right = knots.partition_point(|(at, _)| *at <= time);
-    let at = |index: usize| knots.get(index).copied();
+fn between(knots: &[Knot], time: f64) -> Vec<(usize, f64)> {
+    let right = knots.partition_point(|knot| knot.time_s <= time);
+    let at = |index: usize| knots.get(index).map(|knot| (knot.time_s, knot.first));
     let weighted = match (right.checked_sub(1).and_then(at), at(right)) {
         (Some((from, a)), Some((to, b))) => {
             let share = (time - from) / (to - from);
@@ -245,10 +287,13 @@ struct Artefacts {
     lengths: Vec<Option<usize>>,
     /// First unknown of every place.
     places: Vec<Vec<usize>>,
+    /// First coordinate of the reference with every stylus.
+    reference: Vec<usize>,
 }
 
 impl Artefacts {
-    fn new(task: &Task, ideal: &Ideal, names: &mut Names) -> Artefacts {
+    fn new(task: &Task, ideals: &[Ideal], names: &mut Names) -> Artefacts {
+        let styli = task.stylus_lengths();
         let mut all = Artefacts::default();
         if task.artefacts.iter().filter_map(Artefact::dial).any(Dial::shows_spindle) {
             let tilt = ["X", "Y"].map(|axis| format!("tilt of the spindle about {axis}"));
@@ -266,9 +311,23 @@ impl Artefacts {
                     names.put_each(dial.place_unknowns(placement), at);
                 }
             }
-            let of_place = |(index, place)| put_place(task, ideal, artefact, (index, place), names);
+            let ideal_of = |place: &Place| {
+                let own = styli.iter().position(|stylus| *stylus == place.stylus_mm);
+                &ideals[own.unwrap_or(0)]
+            };
+            let of_place =
+                |(index, place): (usize, &Place)| put_place(task, ideal_of(place), artefact, (index, place), names);
             places.extend(artefact.places.iter().enumerate().filter_map(of_place));
             all.places.push(places);
+        }
+        if let Some(reference) = &task.reference {
+            let (ball, own) = (&task.artefacts[reference.artefact], all.places[reference.artefact][0]);
+            let start: [f64; 3] = std::array::from_fn(|k| names.unknowns[own + k].start);
+            for stylus in &styli {
+                let at = |axis: char| format!("centre {axis} of {}{}", ball.name, stylus::words(*stylus));
+                let is_own = *stylus == ball.places[0].stylus_mm;
+                all.reference.push(if is_own { own } else { names.put_all(['X', 'Y', 'Z'].map(at), start, None) });
+            }
         }
         all
     }
@@ -282,7 +341,7 @@ impl Artefacts {
             Kind::Ring { diameter_mm, .. } | Kind::Ball { diameter_mm } => {
                 vec![names.put(format!("diameter of {name}"), *diameter_mm, uncertainty)]
             }
-            Kind::Plate { diameter_mm, balls_mm } => {
+            Kind::Plate { diameter_mm, balls_mm, .. } => {
                 let size = names.put(format!("diameter of the balls of {name}"), *diameter_mm, uncertainty);
                 own = names.names.len()..names.names.len() + 3 * balls_mm.len();
                 for ball in 1..=balls_mm.len() {
@@ -335,7 +394,8 @@ impl Artefacts {
         });
     }
 
-    fn surface(&self, task: &Task, touch: &Planned) -> Surface {
+    /// `reference`: the stylus that the reference is touched with.
+    fn surface(&self, task: &Task, touch: &Planned, reference: Option<usize>) -> Surface {
         let Planned { artefact, place, feature, .. } = *touch;
         if let Some((dial, reading)) = reading(task, touch) {
             let own = self.sizes[artefact].first().copied().unwrap_or(self.own[artefact].start);
@@ -343,7 +403,8 @@ impl Artefacts {
             return dial.surface(reading, own, (self.places[artefact][place], spindle));
         }
         let (of, at) = (&task.artefacts[artefact], &task.artefacts[artefact].places[place]);
-        let first = self.places[artefact][place];
+        let of_reference = reference.and_then(|stylus| self.reference.get(stylus).copied());
+        let first = of_reference.unwrap_or(self.places[artefact][place]);
         let (size, own) = (self.sizes[artefact].first().copied().unwrap_or_default(), self.own[artefact].start);
         match &of.kind {
             Kind::Ring { .. } => Surface::Bore { diameter: size, centre: first, plane: across(at.normal) },

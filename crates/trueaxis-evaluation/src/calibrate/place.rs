@@ -23,6 +23,8 @@ pub struct Place {
     pub turn: u8,
     /// A, B, C at which a ball is measured, degrees.
     pub rotary_deg: Vec<[f64; 3]>,
+    /// Length of the stylus that touches it, from the spindle's nose to the centre of the tip, mm; `None`: the machine's tool.
+    pub stylus_mm: Option<f64>,
     /// Line in the task file.
     pub line: u32,
 }

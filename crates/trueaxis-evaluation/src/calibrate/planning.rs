@@ -8,6 +8,7 @@ use super::place::{Place, printed};
 use super::plan::{Plan, Planned, Step, Visit};
 use super::reach::{check_safe_z, check_steps, check_travel, check_ways, key_of};
 use super::sheet;
+use super::stylus;
 use super::target::Target;
 use super::task::Task;
 use super::touches::of_place;
@@ -29,11 +30,11 @@ impl Plan {
         if task.is_read() {
             return of_readings(task, machine);
         }
-        let ideal = Ideal::new(machine)?;
+        let ideals = stylus::ideals(task, machine)?;
         let safe_z = safe_z(task, machine)?;
         check_steps(task)?;
         let mut plan = Plan { steps: Vec::new(), touches: Vec::new(), visits: Vec::new(), identity: 0 };
-        let mut way = Way { task, ideal: &ideal, safe_z, at: [0.0; AXES], time_s: 0.0, plan: &mut plan };
+        let mut way = Way { task, machine, ideals: &ideals, safe_z, at: [0.0; AXES], time_s: 0.0, plan: &mut plan };
         let mut set_up = 0;
         for (index, artefact) in task.artefacts.iter().enumerate() {
             for (place, at) in artefact.places.iter().enumerate() {
@@ -114,13 +115,15 @@ fn set_up_text(task: &Task, artefact: &Artefact, place: &Place, index: usize) ->
         }
         Kind::Dial(_) => artefact.name.clone(),
     };
-    format!("set up {how}, place {}: X{x} Y{y} Z{z}", index + 1)
+    format!("set up {how}, place {}: X{x} Y{y} Z{z}{}", index + 1, stylus::words(place.stylus_mm))
 }
 
 /// State of the probe while a plan is built.
 struct Way<'t> {
     task: &'t Task,
-    ideal: &'t Ideal,
+    machine: &'t Machine,
+    /// With each stylus.
+    ideals: &'t [Ideal],
     safe_z: f64,
     at: [f64; AXES],
     time_s: f64,
@@ -130,14 +133,19 @@ struct Way<'t> {
 impl Way<'_> {
     /// Adds all touches of a place, with visits to the reference before, between and after.
     fn set_up(&mut self, artefact: usize, place: usize, set_up: usize) -> Result<()> {
-        let targets = of_place(self.task, self.ideal, artefact, place, false)?;
         let of = &self.task.artefacts[artefact];
+        let at = &of.places[place];
+        let ideal = &self.ideals[self.task.stylus_of(set_up)];
+        let targets = of_place(self.task, ideal, of, at, false);
         check_safe_z(self.task, &of.places[place], key_of(of), self.safe_z, &targets)?;
         let Some(reference) = self.task.reference.as_ref() else {
             return self.visit(artefact, place, set_up, false, &targets);
         };
         let every = reference.every.max(5);
-        let check_touches = of_place(self.task, self.ideal, reference.artefact, 0, true)?;
+        let ball = &self.task.artefacts[reference.artefact];
+        let ball_at = stylus::moved(&self.machine.settings, &ball.places[0], at.stylus_mm);
+        let check_touches = of_place(self.task, ideal, ball, &ball_at, true);
+        check_safe_z(self.task, &ball_at, key_of(ball), self.safe_z, &check_touches)?;
         self.visit(reference.artefact, 0, set_up, true, &check_touches)?;
         for part in targets.chunks(every) {
             self.visit(artefact, place, set_up, false, part)?;

@@ -3,12 +3,15 @@
 use super::artefact::{Artefact, Kind, read_artefact, read_dial, read_plate};
 use super::dial::DialKind;
 use super::ranges::{needed, number, whole};
+use super::wishes::{Wishes, read_wishes};
 use std::path::{Path, PathBuf};
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::{Section, read_toml};
 
 /// Standard uncertainty of a tip that no touch determines, mm.
 const TIP_MM: f64 = 0.01;
+/// Standard deviation of a coefficient of an angular error, rad, unless the task states it.
+const ANGLE_RANGE: f64 = 20e-6;
 /// Degree of curves that have every shape that a plate shows.
 const ALL: usize = u8::MAX as usize;
 
@@ -85,11 +88,27 @@ pub struct Wanted {
     pub positioning: usize,
     /// Degree of the polynomials for straightness; 1 means none.
     pub straightness: usize,
+    /// Degree of the polynomials for roll, pitch and yaw of the linear axes; 0 means none.
+    pub angle: usize,
+    /// Standard deviation of each coefficient of these polynomials before anything is measured, rad.
+    pub angle_range: f64,
+    /// The same of the polynomials of positioning and straightness from the second degree on, mm; `None`: they are free.
+    pub curve_range: Option<f64>,
 }
 
 impl Default for Wanted {
     fn default() -> Wanted {
-        Wanted { squareness: true, scale: true, backlash: true, rotary: true, positioning: 1, straightness: 1 }
+        Wanted {
+            squareness: true,
+            scale: true,
+            backlash: true,
+            rotary: true,
+            positioning: 1,
+            straightness: 1,
+            angle: 0,
+            angle_range: ANGLE_RANGE,
+            curve_range: None,
+        }
     }
 }
 
@@ -112,6 +131,8 @@ pub struct Task {
     pub reference: Option<Reference>,
     /// Terms to determine.
     pub wanted: Wanted,
+    /// What placements may be chosen from.
+    pub wishes: Wishes,
 }
 
 /// The words for one observation and for several.
@@ -145,11 +166,23 @@ impl Task {
     /// # Errors
     /// Invalid TOML, unknown keys or values out of their range, with the line.
     pub fn read(text: &str, file: &Path) -> Result<Task, FileError> {
+        Task::read_whole(text, file, false)
+    }
+
+    /// Reads a task whose artefacts may lack their places, to be chosen.
+    ///
+    /// # Errors
+    /// As [`Task::read`].
+    pub fn read_open(text: &str, file: &Path) -> Result<Task, FileError> {
+        Task::read_whole(text, file, true)
+    }
+
+    fn read_whole(text: &str, file: &Path, is_open: bool) -> Result<Task, FileError> {
         read_toml(text.strip_prefix('\u{feff}').unwrap_or(text), file, |root| {
             let dials = root.sections("dial")?;
             let plates = root.sections("plate")?;
             let mut task = match (dials.is_empty(), plates.is_empty()) {
-                (true, true) => Task::of_probing(&root, file)?,
+                (true, true) => Task::probing(&root, file, [false, is_open])?,
                 (true, false) => Task::of_plate(&root, plates, file)?,
                 (false, true) => Task::of_dials(&root, dials, file)?,
                 (false, false) => {
@@ -166,10 +199,14 @@ impl Task {
             if let Some(section) = root.section("reference")? {
                 task.reference = Some(read_reference(section, &task.artefacts)?);
             }
+            if let Some(section) = root.section("plan")? {
+                task.wishes = read_wishes(section)?;
+            }
             if let Some(section) = root.section("solve")? {
                 task.wanted = read_wanted(section, &task)?;
             }
             few_points(&root, &task)?;
+            styli_hold(&root, &task)?;
             root.finish(None)?;
             Ok(task)
         })
@@ -207,6 +244,7 @@ impl Task {
             },
             artefacts,
             reference: None,
+            wishes: Wishes::default(),
             wanted: Wanted { straightness: 3, scale: false, backlash: false, rotary: false, ..Wanted::default() },
         })
     }
@@ -216,12 +254,12 @@ impl Task {
     /// # Errors
     /// As [`Task::read`].
     pub(crate) fn of_probing(root: &Section<'_>, file: &Path) -> Result<Task, FileError> {
-        Task::probing(root, file, false)
+        Task::probing(root, file, [false; 2])
     }
 
     /// Reads a task with a plate of unknown places, beside which there are only balls, for the drift.
     fn of_plate(root: &Section<'_>, plates: Vec<Section<'_>>, file: &Path) -> Result<Task, FileError> {
-        let mut task = Task::probing(root, file, true)?;
+        let mut task = Task::probing(root, file, [true, false])?;
         if let Some(other) = task.artefacts.iter().find(|of| !matches!(of.kind, Kind::Ball { .. })) {
             let needed = "only balls beside a plate of unknown places; certified artefacts in another task";
             return Err(root.at(other.line, "artefact.kind", &other.name, needed));
@@ -241,7 +279,8 @@ impl Task {
         Ok(task)
     }
 
-    fn probing(root: &Section<'_>, file: &Path, beside: bool) -> Result<Task, FileError> {
+    /// `beside`: whether there may be no artefact; `is_open`: whether an artefact may have no place.
+    fn probing(root: &Section<'_>, file: &Path, [beside, is_open]: [bool; 2]) -> Result<Task, FileError> {
         let machine = root.string("machine")?.ok_or_else(|| root.missing("machine", "the machine's folder"))?;
         let words = [("linuxcnc", Dialect::LinuxCnc), ("grblhal", Dialect::GrblHal), ("klipper", Dialect::Klipper)];
         let dialect = root.choice("dialect", words)?;
@@ -253,7 +292,7 @@ impl Task {
             return Err(root.missing("artefact", "at least one section [[artefact]]"));
         }
         let artefacts = artefacts.into_iter().try_fold(Vec::new(), |mut before, section| {
-            before.push(read_artefact(section, &before)?);
+            before.push(read_artefact(section, &before, is_open)?);
             Ok(before)
         })?;
         Ok(Task {
@@ -264,6 +303,7 @@ impl Task {
             probe,
             artefacts,
             reference: None,
+            wishes: Wishes::default(),
             wanted: Wanted::default(),
         })
     }
@@ -322,6 +362,18 @@ fn few_points(root: &Section<'_>, task: &Task) -> Result<(), FileError> {
     Ok(())
 }
 
+/// Refuses styli of stated lengths on a corrected machine: the control's tables know one tool.
+fn styli_hold(root: &Section<'_>, task: &Task) -> Result<(), FileError> {
+    let mut places = task.artefacts.iter().flat_map(|artefact| &artefact.places);
+    match places.find(|place| place.stylus_mm.is_some()) {
+        Some(place) if task.compensated => {
+            let needed = "compensated = false with stylus_mm: the correction would need the length of each stylus";
+            Err(root.at(place.line, "artefact.place.stylus_mm", "a stylus on a compensated machine", needed))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn read_wanted(section: Section<'_>, task: &Task) -> Result<Wanted, FileError> {
     let default = task.wanted;
     if task.plate().is_some() && !default.backlash && section.boolean("backlash")? == Some(true) {
@@ -333,7 +385,16 @@ fn read_wanted(section: Section<'_>, task: &Task) -> Result<Wanted, FileError> {
             return Err(section.at(section.first_line(), key, "true", "false: no reading of a dial shows it"));
         }
     }
+    let angle = whole(&section, "angular_degree", [0, 8])?;
+    if angle.is_some_and(|degree| degree > 0) && (task.is_read() || task.plate().is_some()) {
+        let needed = "0: roll, pitch and yaw are determined by touches on certified artefacts";
+        return Err(section.at(section.first_line(), "angular_degree", &angle.unwrap_or(0).to_string(), needed));
+    }
+    let range = number(&section, "angular_range_urad", [0.01, 1e4], " urad")?.map(|urad| 1e-6 * urad);
     let wanted = Wanted {
+        angle: angle.unwrap_or(default.angle),
+        angle_range: range.unwrap_or(default.angle_range),
+        curve_range: number(&section, "curve_range_um", [0.01, 1e4], " um")?.map(|um| 1e-3 * um),
         squareness: section.boolean("squareness")?.unwrap_or(default.squareness),
         scale: section.boolean("scale")?.unwrap_or(default.scale),
         backlash: section.boolean("backlash")?.unwrap_or(default.backlash),

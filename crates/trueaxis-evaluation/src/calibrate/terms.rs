@@ -4,7 +4,7 @@ use super::artefact::Kind;
 use super::block::directions;
 use super::dial::{Dial, DialKind, normal};
 use super::shapes;
-use super::task::Task;
+use super::task::{Task, Wanted};
 use trueaxis::machine::{AXES, Axis, Row, Twist};
 use trueaxis_tables::exact::{Geometry, GeometryError};
 use trueaxis_tables::{Machine, Table};
@@ -14,7 +14,8 @@ use trueaxis_tables::{Machine, Table};
 pub enum Term {
     /// C0Y, B0Z, A0Z as 0, 1, 2; rad.
     Squareness(u8),
-    /// A polynomial for an axis' error in direction 0, 1 or 2: degree 1 is the scale (1), others mm.
+    /// A polynomial for an axis' error. In direction 0, 1 or 2 degree 1 is the scale (1), others mm; about direction 0, 1 or 2
+    /// (component 3 to 5) every degree is rad.
     Curve {
         /// The axis.
         axis: Axis,
@@ -46,7 +47,7 @@ impl Term {
                 format!("offset of {}", axis.letter())
             }
             Term::Curve { axis, component, degree } => {
-                let direction = LINEAR[usize::from(component) % 3].letter();
+                let direction = Axis::ALL[usize::from(component) % AXES].letter();
                 format!("E{direction}{} of degree {degree}", axis.letter())
             }
             Term::Backlash(axis) => format!("backlash of {}", axis.letter()),
@@ -61,8 +62,8 @@ impl Term {
         match self {
             Term::Squareness(_) => ("µrad", 1e6),
             Term::Curve { axis, component, degree: 1 } if usize::from(component) == axis.index() => ("ppm", 1e6),
-            Term::Curve { .. } | Term::Backlash(_) => ("µm", 1e3),
-            Term::Location(_, component) => {
+            Term::Backlash(_) => ("µm", 1e3),
+            Term::Curve { component, .. } | Term::Location(_, component) => {
                 if component < 3 {
                     ("µm", 1e3)
                 } else {
@@ -72,10 +73,42 @@ impl Term {
         }
     }
 
+    /// Axis and component of a curve.
+    pub(super) fn curve_of(self) -> Option<(Axis, u8)> {
+        match self {
+            Term::Curve { axis, component, .. } => Some((axis, component)),
+            _ => None,
+        }
+    }
+
+    /// Name of a curve of several degrees, `EYX`; `None` for a scale or an offset and what is no curve.
+    pub(super) fn curve_name(self) -> Option<String> {
+        match self {
+            Term::Curve { axis, component, degree } if degree > 1 || usize::from(component) != axis.index() => {
+                Some(format!("E{}{}", Axis::ALL[usize::from(component) % AXES].letter(), axis.letter()))
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether the term is an angular error of a linear axis.
+    pub fn is_angle(self) -> bool {
+        matches!(self, Term::Curve { component: 3.., .. })
+    }
+
+    /// Standard deviation of the term before anything is measured; `None` if it is free.
+    pub(super) fn range(self, wanted: &Wanted) -> Option<f64> {
+        match self {
+            Term::Curve { component: 3.., .. } => Some(wanted.angle_range),
+            Term::Curve { degree: 2.., .. } => wanted.curve_range,
+            _ => None,
+        }
+    }
+
     /// Step of the term for computing its effect.
     fn step(self) -> f64 {
         match self {
-            Term::Squareness(_) | Term::Curve { degree: 1, .. } => 1e-5,
+            Term::Squareness(_) | Term::Curve { degree: 1, .. } | Term::Curve { component: 3.., .. } => 1e-5,
             Term::Curve { .. } | Term::Backlash(_) => 1e-3,
             Term::Location(_, component) => {
                 if component < 3 {
@@ -117,20 +150,21 @@ impl Terms {
         let zero_mm = travel_mm.map(|[low, high]| 0.0_f64.clamp(low, high.max(low)));
         Terms { terms, reach_mm, zero_mm, travel_mm, knots_mm: Default::default() }
     }
-    /// Value of a unit curve at a position, mm (for the scale, mm per 1); degree 0 is constant.
+    /// Value of a unit curve at a position, mm or rad (for the scale, mm per 1); degree 0 is constant.
     ///
     /// Legendre polynomials over the touched range, extended with their slope beyond it; with knots, piecewise linear shapes
     /// without their least-squares line, constant beyond the knots. Zero at [`Terms::zero_mm`].
-    pub fn curve(&self, axis: Axis, degree: u8, position: f64) -> f64 {
+    pub fn curve(&self, axis: Axis, component: u8, degree: u8, position: f64) -> f64 {
         let k = axis.index() % 3;
         if degree == 0 {
             return 1.0;
         }
-        if degree == 1 {
+        let is_angle = component >= 3;
+        if degree == 1 && !is_angle {
             return position - self.zero_mm[k];
         }
         let knots = &self.knots_mm[k];
-        if !knots.is_empty() {
+        if !knots.is_empty() && !is_angle {
             let values = shapes::shape(knots, usize::from(degree));
             return shapes::at(knots, &values, position) - shapes::at(knots, &values, self.zero_mm[k]);
         }
@@ -145,7 +179,7 @@ impl Terms {
         value(position) - value(self.zero_mm[k])
     }
 
-    /// Errors of an axis from its curves and the values of all terms: EX, EY and EZ, mm, and no rotations.
+    /// Errors of an axis from its curves and the values of all terms: EX to EC, mm and rad.
     pub fn error(&self, values: &[f64], axis: Axis, position: f64) -> Twist {
         let mut error = [0.0; 6];
         for (term, value) in self.terms.iter().zip(values) {
@@ -153,7 +187,7 @@ impl Terms {
                 && of == axis
                 && let Some(error) = error.get_mut(usize::from(component))
             {
-                *error += value * self.curve(axis, degree, position);
+                *error += value * self.curve(axis, component, degree, position);
             }
         }
         error
@@ -222,11 +256,11 @@ impl Terms {
                     .into_iter()
                     .map(|position| {
                         let mut errors = [0.0; 6];
-                        errors[usize::from(component) % 3] = size * self.curve(axis, degree, position);
+                        errors[usize::from(component) % AXES] = size * self.curve(axis, component, degree, position);
                         Row { position, forward: errors, reverse: errors }
                     })
                     .collect();
-                let table = Table { given: [true, true, true, false, false, false], bidirectional: false, rows };
+                let table = Table { given: [true; 6], bidirectional: false, rows };
                 let slot = machine.settings.axes.iter().position(|own| own.axis == axis);
                 if let Some(to) = slot.and_then(|slot| machine.tables.get_mut(slot)) {
                     *to = Some(table);
@@ -315,6 +349,10 @@ fn spanned(task: &Task, machine: &Machine, knots: &[Vec<f64>; 3]) -> Vec<Term> {
                 terms.extend(degrees.map(|degree| Term::Curve { axis, component, degree: degree as u8 }));
             }
         }
+    }
+    for axis in LINEAR.into_iter().filter(|axis| has(*axis)) {
+        let all = (3..6).flat_map(|component| (1..=wanted.angle).map(move |degree| (component, degree)));
+        terms.extend(all.map(|(component, degree)| Term::Curve { axis, component, degree: degree as u8 }));
     }
     if wanted.backlash {
         let round = task.artefacts.iter().any(|artefact| matches!(artefact.kind, Kind::Ball { .. }));

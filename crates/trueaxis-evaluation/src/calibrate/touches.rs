@@ -1,13 +1,12 @@
 //! Selects the points of an artefact to touch, and where to approach them from.
 
-use super::artefact::Kind;
+use super::artefact::{Artefact, Kind};
 use super::faces;
 use super::grid::Grid;
 use super::kinematics::Ideal;
 use super::place::{self, Place, across};
 use super::target::{CLEAR_ABOVE, Target, clear_mm};
 use super::task::Task;
-use anyhow::Result;
 use trueaxis::machine::Axis;
 
 /// Points nearer than this to the stem of a ball are skipped, degrees from the stem.
@@ -30,18 +29,10 @@ fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
 }
 
 /// Touches of a place; with `check_only`, only the few that show whether it has moved.
-pub(super) fn of_place(
-    task: &Task,
-    ideal: &Ideal,
-    artefact: usize,
-    place: usize,
-    check_only: bool,
-) -> Result<Vec<Target>> {
-    let of = &task.artefacts[artefact];
-    let at = &of.places[place];
+pub(super) fn of_place(task: &Task, ideal: &Ideal, of: &Artefact, at: &Place, check_only: bool) -> Vec<Target> {
     let radius = task.probe.tip_radius_mm - task.probe.pre_travel_mm;
     let backlash = task.wanted.backlash && !check_only;
-    Ok(match &of.kind {
+    match &of.kind {
         Kind::Ring { diameter_mm, points, arc_deg } => {
             ring(task, at, 0.5 * diameter_mm - radius, *points, *arc_deg, backlash)
         }
@@ -60,7 +51,7 @@ pub(super) fn of_place(
             }
             targets
         }
-        Kind::Plate { diameter_mm, balls_mm } => {
+        Kind::Plate { diameter_mm, balls_mm, few } => {
             let [first, second] = across(at.normal);
             let normal = unit(at.normal);
             let mut targets = Vec::new();
@@ -69,7 +60,7 @@ pub(super) fn of_place(
                 let stem = normal.map(|part| -part);
                 let ball =
                     BallAt { feature, centre, stem, tool: normal, pose: [0.0; 3], reach: 0.5 * diameter_mm + radius };
-                targets.extend(ball.targets(task, false, backlash && feature == 0));
+                targets.extend(ball.targets(task, *few, backlash && feature == 0));
             }
             targets
         }
@@ -85,7 +76,7 @@ pub(super) fn of_place(
         Kind::Grid(grid) => plate(task, grid, at, radius),
         Kind::Block(block) => faces::targets(task, block, at, radius),
         Kind::Dial(_) => Vec::new(),
-    })
+    }
 }
 
 fn line_target(task: &Task, feature: usize, point: [f64; 3], approach: [f64; 3], lift: [f64; 3]) -> Target {

@@ -65,7 +65,7 @@ pub(super) fn words(plate: &Artefact, grid: &Grid, observed: &Observed, free: &C
 fn short(term: Term, name: &str) -> String {
     match term {
         Term::Curve { axis, component, degree: 2.. } => {
-            format!("E{}{}", [Axis::X, Axis::Y, Axis::Z][usize::from(component) % 3].letter(), axis.letter())
+            format!("E{}{}", Axis::ALL[usize::from(component) % 6].letter(), axis.letter())
         }
         _ => name.to_owned(),
     }

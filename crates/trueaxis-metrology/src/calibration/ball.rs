@@ -51,6 +51,7 @@ pub fn fit_ball(
         surface: surface.clone(),
         response: Vec::new(),
         drift: Vec::new(),
+        own_tip: None,
     });
     let touches = touches.collect();
     let found = Network { unknowns, terms: 0, tip: 4, touches, repeatability_mm }.solve()?;

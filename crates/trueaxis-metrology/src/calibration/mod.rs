@@ -26,12 +26,14 @@
 
 mod ball;
 mod blocks;
+mod information;
 mod least_squares;
 mod network;
 mod selection;
 mod surface;
 
 pub use ball::{BallFit, fit_ball};
+pub use information::Information;
 pub use network::{Network, Shown, Solution, Unknown};
 pub use selection::Selection;
 pub use surface::{Centre, Part, Surface, Touch};

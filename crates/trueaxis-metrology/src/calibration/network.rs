@@ -37,7 +37,7 @@ pub struct Network {
     pub unknowns: Vec<Unknown>,
     /// Number of machine terms among them.
     pub terms: usize,
-    /// Index of the tip's radius.
+    /// Index of the radius of the tip, except that of touches with their own.
     pub tip: usize,
     /// The touches.
     pub touches: Vec<Touch>,

@@ -86,6 +86,8 @@ pub struct Touch {
     pub response: Vec<[f64; 3]>,
     /// Knots of the drift with their weights: indices of the first of three components, mm.
     pub drift: Vec<(usize, f64)>,
+    /// Index of the radius of a tip other than the network's.
+    pub own_tip: Option<usize>,
 }
 
 /// Equation of a touch at the present values of the unknowns: the residual, mm, and its derivatives.
@@ -142,9 +144,10 @@ impl Centre {
 }
 
 impl Touch {
-    /// The row of the touch; `tip` is the index of the tip's radius.
+    /// The row of the touch; `tip` is the index of the radius of the network's tip.
     pub(super) fn row(&self, values: &[f64], tip: usize) -> Row {
         let of = |index: usize| values.get(index).copied().unwrap_or_default();
+        let tip = self.own_tip.unwrap_or(tip);
         let mut point = self.tip_mm;
         for (term, response) in self.response.iter().enumerate() {
             (0..3).for_each(|k| point[k] += of(term) * response[k]);

@@ -59,6 +59,8 @@ pub struct Probing {
     pub known: Option<Machine>,
     /// Artefacts from the first pause on, from the second on, ….
     pub set_ups: Vec<Vec<Artefact>>,
+    /// Tip from the last tool-side frame from the first pause on, from the second on, …, mm; the machine's where there is none.
+    pub tools_mm: Vec<[f64; 3]>,
     /// Radius of the tip, mm.
     pub tip_radius_mm: f64,
     /// Deflection before the trip, mm.
@@ -123,7 +125,7 @@ fn executed(probing: &Probing, program: &str, sent: &Sent<'_>) -> Result<String>
                 bench.go(end, feed)?;
             }
         }
-        bench.listen(text, probed);
+        bench.listen(text, probed)?;
     }
     Ok(bench.log)
 }
@@ -250,7 +252,7 @@ impl Bench<'_> {
     }
 
     /// Handles comments that the control acts on, and pauses.
-    fn listen(&mut self, text: &str, probed: bool) {
+    fn listen(&mut self, text: &str, probed: bool) -> Result<()> {
         if probed && self.probing.host == Host::GrblHal {
             let axes = self.probing.machine.settings.axes.iter().map(|own| own.axis.index());
             let count = axes.max().map_or(3, |last| last + 1).max(3);
@@ -277,8 +279,15 @@ impl Bench<'_> {
         }
         if text.trim() == "M0" {
             self.time_s += self.probing.pause_s;
-            self.set_up = Some(self.set_up.map_or(0, |set_up| set_up + 1));
+            let set_up = self.set_up.map_or(0, |set_up| set_up + 1);
+            self.set_up = Some(set_up);
+            if let Some(tool_mm) = self.probing.tools_mm.get(set_up) {
+                let mut machine = self.probing.machine.clone();
+                machine.settings.tool_mm = *tool_mm;
+                self.geometry = Geometry::new(&machine, 0.0)?;
+            }
         }
+        Ok(())
     }
 
     /// Replaces parameters: #5061 to #5066 are the trip, #5070 whether there was one.

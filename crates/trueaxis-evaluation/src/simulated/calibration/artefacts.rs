@@ -3,6 +3,7 @@
 //! Sizes are drawn within the stated standard uncertainty, once per artefact; positions and orientations deviate as in a
 //! manual set-up. The result is the true surfaces (blocks, balls and bores), which the solution never sees.
 
+use crate::calibrate::stylus::tool_mm;
 use crate::calibrate::{ANGLES, Artefact as Described, Block, Grid, Ideal, Kind, Place, Task, directions};
 use anyhow::Result;
 use glam::{DMat3, DVec2, DVec3};
@@ -50,7 +51,6 @@ pub(in crate::simulated) fn placed(
     set_up: SetUp,
     normal: &mut impl FnMut() -> f64,
 ) -> Result<Vec<Vec<Artefact>>> {
-    let ideal = Ideal::new(nominal)?;
     let is_reference = |index: usize| task.reference.as_ref().is_some_and(|reference| reference.artefact == index);
     let mut reference = Vec::new();
     let mut places = Vec::new();
@@ -60,7 +60,9 @@ pub(in crate::simulated) fn placed(
         for place in &artefact.places {
             let [x, y, z] = place.at_mm;
             let at: [f64; 3] = std::array::from_fn(|k| [x, y, z][k] + set_up.misplaced_mm * normal().clamp(-2.0, 2.0));
-            let tip = ideal.tip(&[at[0], at[1], at[2], 0.0, 0.0, 0.0]).into();
+            let mut machine = nominal.clone();
+            machine.settings.tool_mm = tool_mm(&nominal.settings, place.stylus_mm);
+            let tip = Ideal::new(&machine)?.tip(&[at[0], at[1], at[2], 0.0, 0.0, 0.0]).into();
             let surfaces = real.surfaces(place, tip, task.probe.tip_radius_mm, set_up.askew, normal);
             if is_reference(index) {
                 reference.clone_from(&surfaces);
@@ -74,6 +76,12 @@ pub(in crate::simulated) fn placed(
         also.iter().copied().chain(surfaces).collect()
     };
     Ok(places.into_iter().map(with_reference).collect())
+}
+
+/// The tool in every set-up of a task.
+pub(in crate::simulated) fn tools_mm(task: &Task, nominal: &Machine) -> Vec<[f64; 3]> {
+    let places = task.artefacts.iter().flat_map(|artefact| &artefact.places);
+    places.map(|place| tool_mm(&nominal.settings, place.stylus_mm)).collect()
 }
 
 /// An artefact with its true sizes.
@@ -109,7 +117,7 @@ impl Real {
         match &artefact.kind {
             Kind::Ring { diameter_mm, .. } => Real::Ring { diameter: diameter_mm + off * normal() },
             Kind::Ball { diameter_mm } => Real::Ball { diameter: diameter_mm + off * normal() },
-            Kind::Plate { diameter_mm, balls_mm } => Real::Plate {
+            Kind::Plate { diameter_mm, balls_mm, .. } => Real::Plate {
                 diameter: diameter_mm + off * normal(),
                 centres: balls_mm
                     .iter()

@@ -135,6 +135,7 @@ pub fn run<'t>(
         machine: truth.clone(),
         known: None,
         set_ups,
+        tools_mm: artefacts::tools_mm(&task, &nominal),
         tip_radius_mm: task.probe.tip_radius_mm,
         pre_travel_mm: 1e-3 * conditions.pre_travel_um[0],
         lobes_mm: 1e-3 * conditions.pre_travel_um[1],

@@ -146,6 +146,7 @@ impl Bench<'_> {
             machine: truth.clone(),
             known: Some(known.clone()),
             set_ups: vec![artefacts],
+            tools_mm: Vec::new(),
             tip_radius_mm: self.task.probing.probe.tip_radius_mm,
             pre_travel_mm: 0.008,
             lobes_mm: 0.0003,

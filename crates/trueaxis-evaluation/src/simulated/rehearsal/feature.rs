@@ -61,6 +61,7 @@ impl ProbedFeature {
                 machine: of.truth.clone(),
                 known: of.known.cloned(),
                 set_ups: vec![vec![self.artefact(of, centre, off)?]],
+                tools_mm: Vec::new(),
                 tip_radius_mm: 0.5 * self.tip_mm,
                 pre_travel_mm: 0.0,
                 lobes_mm: self.lobes_mm,

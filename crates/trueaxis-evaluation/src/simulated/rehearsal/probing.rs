@@ -3,7 +3,7 @@
 use super::{Conditions, Stream, dial, truth_of};
 use crate::calibrate::{Dialect, Plan, Task, perfect, program};
 use crate::keep::{KeepTask, plan};
-use crate::simulated::calibration::artefacts::{SetUp, placed};
+use crate::simulated::calibration::artefacts::{SetUp, placed, tools_mm};
 use anyhow::{Context, Result};
 use trueaxis_sim::calibration::{Artefact, Drift, Host, Probing, execute};
 use trueaxis_tables::Machine;
@@ -82,6 +82,7 @@ impl Rehearsed<'_> {
             machine: truth_of(machine, truth)?,
             known,
             set_ups,
+            tools_mm: tools_mm(task, machine),
             tip_radius_mm: probe.tip_radius_mm,
             pre_travel_mm: probe.pre_travel_mm + off,
             lobes_mm: 0.0,
