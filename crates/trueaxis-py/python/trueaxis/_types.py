@@ -1518,7 +1518,7 @@ class Calibration(Result):
     location : Section
         Location errors found, `C0Y_urad`, `EX0C_um`.
     axes : Section
-        For every linear axis `scale_ppm`, `backlash_um`, and the range (maximum less minimum) of its curves without the scale, `EXX_um`.
+        For every linear axis `scale_ppm`, `backlash_um`, and the range (maximum less minimum) of its curves without the scale, `EXX_um`, `EAX_urad`.
     standard_errors : Section
         Standard errors under the same names, by `location` and by axis; for curves, the root mean square over the touched range.
     tip_radius_mm : float
