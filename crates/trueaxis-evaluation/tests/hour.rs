@@ -78,7 +78,7 @@ fn an_hour_removes_most_of_the_error() {
         within / terms
     );
     assert!(removed[0] > 0.0, "made worse");
-    // Two machines are no median. Oblique touches scatter less across their surface, which all others share: 0.934 of 0.95.
+    // Two machines are no median. 0.934 are within, not 0.95: the bands are somewhat narrow, for a reason not yet found.
     let [least, share] = if is_full { [0.8, 0.925] } else { [0.6, 0.88] };
     assert!(median > least && within / terms > share, "{median}, {}", within / terms);
 }
