@@ -180,3 +180,13 @@ fn random_ways_trip_where_a_fine_search_finds_the_first_contact() {
     }
     assert!(toward > 60 && away > 15, "{toward} {away}");
 }
+
+/// Where a probe has stopped on a plane, it comes free at once, however the trip was rounded.
+#[test]
+fn a_probe_that_has_touched_comes_free() {
+    for height in (1..400).map(|k| -0.01 * f64::from(k) - 0.003) {
+        let on = format!("plane_z_mm = {height}");
+        let [.., z, tripped] = probed(&on, "F100 G0 Z5\nG38.2 Z-20\nG91 G38.4 Z2\nG90");
+        assert!(tripped == 1.0 && (z - height).abs() < 1e-6, "{height}: {z}");
+    }
+}

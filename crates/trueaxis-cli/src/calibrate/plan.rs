@@ -54,10 +54,13 @@ fn choose(arguments: &PlanArgs, minutes: f64, placed: &Path) -> Result<()> {
     if !(minutes > 0.0 && minutes <= 1e5) {
         bail!("--minutes: found {minutes}, needed 0 to 100000 minutes");
     }
-    let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
+    let folder = |path: &Path| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
+    };
     if folder(placed) != folder(&arguments.task) {
-        let (found, needed) = (placed.display(), folder(&arguments.task));
-        bail!("--placed: found {found}, needed a file beside the task ({}), which names its machine", needed.display());
+        let (found, task) = (placed.display(), arguments.task.display());
+        bail!("--placed: found {found}, needed a file beside {task}, which names its machine");
     }
     let output = arguments.output.as_ref();
     let output = output.ok_or_else(|| anyhow!("--minutes: found no --output, needed a file for the program"))?;

@@ -1,4 +1,4 @@
-//! Angular errors that the touches leave as they were assumed.
+//! Curves with a range that the touches leave as they were assumed.
 
 use super::solve::Calibration;
 use super::task::Task;
@@ -10,7 +10,7 @@ use trueaxis_tables::text::counted;
 const UNSEEN: f64 = 0.95;
 
 impl Calibration {
-    /// Angular errors of which no degree is determined: axis and component.
+    /// Curves with a range of which no degree is determined: axis and component.
     pub(super) fn unseen(&self) -> Vec<(Axis, u8)> {
         let terms = &self.observed.terms.terms;
         let is_free = |index: usize| {
@@ -18,11 +18,13 @@ impl Calibration {
             range.is_some_and(|range| self.solution.standard_errors[index] > UNSEEN * range)
         };
         let mut curves: Vec<(Axis, u8)> = Vec::new();
-        for term in terms.iter().filter(|term| term.is_angle()) {
+        // The first degree of an axis along itself is its scale, which has no range.
+        let has_range = |index: &usize| self.observed.network.unknowns[*index].uncertainty.is_some();
+        for term in (0..terms.len()).filter(has_range).map(|index| &terms[index]) {
             curves.extend(term.curve_of().filter(|curve| !curves.contains(curve)));
         }
         let is_unseen = |curve: &(Axis, u8)| {
-            let mut own = (0..terms.len()).filter(|index| terms[*index].curve_of() == Some(*curve));
+            let mut own = (0..terms.len()).filter(has_range).filter(|index| terms[*index].curve_of() == Some(*curve));
             own.all(is_free)
         };
         curves.retain(is_unseen);
@@ -38,15 +40,16 @@ impl Calibration {
         let name = |&(axis, component): &(Axis, u8)| Term::Curve { axis, component, degree: 1 }.curve_name();
         let names: Vec<String> = unseen.iter().filter_map(name).collect();
         let lengths = task.stylus_lengths().len();
-        let lacks = if lengths < 2 && unseen.iter().any(|(_, component)| *component < 5) {
-            "; a second length of the stylus (stylus_mm) would separate turns about X and Y from straightness"
+        let lacks = if lengths < 2
+            && unseen.iter().any(|(axis, component)| *axis == Axis::Z && (3..5).contains(component))
+        {
+            "; a second length of the stylus (stylus_mm) would separate turns of Z about X and Y from its straightness"
         } else {
             ""
         };
         Some(format!(
-            "{} not seen by these places, left at zero within the stated range of {:.0} µrad: {}{lacks}",
-            counted(unseen.len(), "angular error"),
-            1e6 * task.wanted.angle_range,
+            "{} not seen by these places, left at zero within the range assumed: {}{lacks}",
+            counted(unseen.len(), "curve"),
             names.join(", ")
         ))
     }

@@ -361,7 +361,8 @@ impl Calibration {
         let is_seen = |keyed: &Keyed| keyed.curve.is_none_or(|curve| !unseen.contains(&curve));
         let findings: Vec<Finding> = self.values().into_iter().filter(is_seen).map(finding).collect();
         let correlations = self.correlations(&findings);
-        let compensated = task.compensated;
+        // A range pulls a value towards zero, so that a second look at one log would find the rest of it.
+        let compensated = task.compensated || terms.terms.iter().any(|term| term.is_angle());
         Additions { findings, correlations, fit: Some(fit), compensated, ..Additions::default() }
     }
 

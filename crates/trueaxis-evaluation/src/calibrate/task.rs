@@ -391,6 +391,13 @@ fn read_wanted(section: Section<'_>, task: &Task) -> Result<Wanted, FileError> {
         return Err(section.at(section.first_line(), "angular_degree", &angle.unwrap_or(0).to_string(), needed));
     }
     let range = number(&section, "angular_range_urad", [0.01, 1e4], " urad")?.map(|urad| 1e-6 * urad);
+    let curve_range = section.number("curve_range_um")?;
+    if let Some(found) = curve_range.filter(|_| task.plate().is_some()) {
+        return Err(section.wrong(
+            &found,
+            "no curve_range_um with a plate of unknown places: its placements must separate the curves",
+        ));
+    }
     let wanted = Wanted {
         angle: angle.unwrap_or(default.angle),
         angle_range: range.unwrap_or(default.angle_range),

@@ -27,12 +27,11 @@ impl Interpreter<'_> {
             Some(surface) => self.trip(surface, end, line, code)?,
             None => None,
         };
-        let immediate = trip == Some(0.0);
         if let Some(share) = trip.filter(|share| *share < 1.0) {
             end = std::array::from_fn(|axis| start[axis] + share * (end[axis] - start[axis]));
         }
         let moved = self.builder.line_to(line, pace, end, self.plane.normal())?;
-        if !moved && !immediate {
+        if !moved && trip.is_none() {
             return Err(Refusal::new(line, "a probing move without length", "an end away from where it starts"));
         }
         if self.options.surface.is_none() {

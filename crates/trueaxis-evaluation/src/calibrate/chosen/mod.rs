@@ -146,6 +146,11 @@ pub fn chosen(
             picked.remove(least);
             continue;
         }
+        if total > minutes || picked.is_empty() {
+            let found = format!("{minutes} minutes");
+            let needed = format!("at least {:.0}, with one place", total.max(all.fixed_minutes + shortest).ceil());
+            return Err(error(&task, task.wishes.line, "--minutes", found, needed));
+        }
         let planning = Planning::new(&whole, machine)?;
         let document = document(&asked, &known, [&task, &whole], &planning, machine, &picked, total)?;
         return Ok(Chosen { document, task: done, planning });
@@ -214,6 +219,9 @@ fn document(
     let terms: &Terms = &found.observed.terms;
     let place = |term: &Term| known.terms.terms.iter().position(|own| own == term);
     // Terms that the placements do not span stay as assumed.
+    // The curves of the solution are those over the touched range.
+    let touched = Terms { reach_mm: terms.reach_mm, ..known.terms.clone() };
+    let after = Volume::new(open, machine, &touched)?;
     let ranges: Vec<f64> = known.terms.terms.iter().map(|term| known.range(task, *term)).collect();
     let mut covariance: Vec<Vec<f64>> = (0..ranges.len())
         .map(|i| (0..ranges.len()).map(|j| if i == j { ranges[i] * ranges[i] } else { 0.0 }).collect())
@@ -238,6 +246,14 @@ fn document(
                 .to_owned(),
         );
     }
+    let is_left_out = |k: &usize| {
+        open.artefacts[*k].places.is_empty() && !picked.iter().any(|of| asked.candidates[*of].artefact == *k)
+    };
+    let left_out: Vec<&str> =
+        (0..open.artefacts.len()).filter(is_left_out).map(|k| open.artefacts[k].name.as_str()).collect();
+    if !left_out.is_empty() {
+        notes.push(format!("left out of the task, since others gain more in the time: {}", left_out.join(", ")));
+    }
     if asked.candidates.len() == picked.len() {
         notes.push("every placement that fits was chosen".to_owned());
     }
@@ -257,7 +273,7 @@ fn document(
         minutes,
         allowed_minutes: asked.minutes,
         before_um: 1e3 * asked.volume.of_ranges(&ranges).sqrt(),
-        after_um: 1e3 * asked.volume.of(&covariance).sqrt(),
+        after_um: 1e3 * after.of(&covariance).sqrt(),
         unseen,
         notes,
     })
