@@ -145,7 +145,7 @@ fn angles_come_back() {
             }
         }
         let notes = found.document(&task, &random_machine(seed, &Class::MILL)).warnings.concat();
-        assert!(notes.contains("left at zero within the stated range of 20 µrad") && notes.contains("ECZ"), "{notes}");
+        assert!(notes.contains("left at zero within the range assumed") && notes.contains("ECZ"), "{notes}");
         assert!(!notes.contains("EBZ") && !notes.contains("stylus_mm"), "{notes}");
     }
     println!("{within} of {all} terms within 1.96 standard errors");

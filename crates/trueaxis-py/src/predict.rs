@@ -100,6 +100,9 @@ pub(crate) fn predict<'py>(
         let record = measured.as_ref().map(read).transpose()?;
         let own = own.warmed(record.as_ref().map(|record| (record, begin)), || growth_model(machine, path))?;
         let options = Options { trials, seed };
+        if advise {
+            own.require_instruments()?;
+        }
         let mut document = if servo {
             let exact = exact_drives.then(|| stated.clone().with_exact_drives());
             let known = (machine, exact.as_ref().unwrap_or(stated));

@@ -146,6 +146,9 @@ pub(crate) fn run(arguments: &PredictArgs) -> Result<()> {
     let stated = Uncertainties::read(&arguments.machine)?;
     let part = arguments.temperature.apply(part, &machine, &arguments.machine)?;
     let options = Options { trials: arguments.trials, seed: arguments.seed };
+    if arguments.advise {
+        part.require_instruments()?;
+    }
     let mut document = arguments.servo.predict((&machine, &stated), &program, &part, options)?;
     if arguments.advise {
         let read = |name: &str| own_task(&arguments.part, name, &arguments.machine);

@@ -6,6 +6,7 @@ use super::gear::{self, GearFlank};
 pub use super::kinds::{Association, Characteristic, FeatureKind, Side};
 use super::temperature::{Growth, GrowthModel, PartTemperature, read_temperature};
 use crate::calibrate::ranges::number;
+use anyhow::bail;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use trueaxis_sim::program::Program;
@@ -86,6 +87,20 @@ const MOST: usize = 200;
 const WIDEST: f64 = 10.0;
 
 impl Part {
+    /// Checks what [`advise`](super::advise()) needs before anything is computed.
+    ///
+    /// # Errors
+    /// A part without instruments.
+    pub fn require_instruments(&self) -> anyhow::Result<()> {
+        if self.instruments.is_empty() {
+            bail!(
+                "{}: key instrument: found nothing, needed at least one section [[instrument]], such as kind = \"ball\"",
+                self.file.display()
+            );
+        }
+        Ok(())
+    }
+
     /// Reads a part; `file` is used only in errors.
     ///
     /// # Errors

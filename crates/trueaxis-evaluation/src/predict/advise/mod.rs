@@ -76,12 +76,7 @@ pub fn advise(
             keys.join(", ")
         );
     }
-    if part.instruments.is_empty() {
-        bail!(
-            "{}: key instrument: found nothing, needed at least one section [[instrument]], such as kind = \"ball\"",
-            part.file.display()
-        );
-    }
+    part.require_instruments()?;
     let mut prepared = Prepared::new(machine, stated, program, part)?;
     if let Some(servo) = &predicted.servo {
         prepared = prepared.with_servo(servo);
