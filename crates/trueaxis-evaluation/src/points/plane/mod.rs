@@ -145,6 +145,11 @@ impl PlaneFit {
         &self.candidates[self.chosen].fitted
     }
 
+    /// Residuals of the points by the chosen model, mm, along the two axes of the plane.
+    pub fn left_mm(&self) -> Vec<[f64; 2]> {
+        self.left_of(self.chosen)
+    }
+
     /// Name of the chosen model.
     pub fn model(&self) -> String {
         self.fitted().model.name()
