@@ -88,6 +88,11 @@ fn a_line_along_an_axis_gives_its_positioning_and_straightness() {
     assert_near(scale.of.value, 40.0, 4.0 * error);
     assert!(of.not_determined[0].starts_with("slope of EYX") && of.not_determined[1].starts_with("C0Y"), "{of:?}");
     assert_near(of.turn_urad, 3000.0, 4.0 * error);
+    assert!(
+        of.notes.iter().any(|note| note.starts_with("EZX: deviations along Z were measured too")),
+        "{:?}",
+        of.notes
+    );
     // The rotation of the setting is seen across the line, and takes no part in the scale: that would be 15 ppm. C0Y does, by the
     // inclination of the line, which a note names.
     let exact = document(&Truth { noise_mm: 0.0, c0y: 100e-6, ..scaled }.record(&line()));

@@ -144,8 +144,7 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
             let context = |error: anyhow::Error| error.context(name.to_owned());
             if record.are_flat() {
                 let against = against.as_ref().map(|(points, name)| (points, name.as_str()));
-                let found =
-                    points::identify_plane(&record, Some(&machine), &options, against).map_err(context)?;
+                let found = points::identify_plane(&record, Some(&machine), &options, against).map_err(context)?;
                 let document = points::PlaneDocument::new(&found, record.stated);
                 let changed = document.files(&found, name);
                 (document.shown(&found), changed.map(|changed| Becomes::whole(files, changed)).transpose()?)

@@ -291,6 +291,13 @@ fn notes(found: &PlaneFit) -> Vec<String> {
             significant(found.tilt, 2)
         ));
     }
+    if let Some(letter) = found.unused.map(|axis| LINEAR[axis].letter()) {
+        let v = v.to_ascii_lowercase();
+        notes.push(format!(
+            "E{letter}{u}: deviations along {letter} were measured too and are not evaluated; a record with actual_{v}_mm as \
+             commanded shows them"
+        ));
+    }
     notes.extend(not_determined(found).into_iter().map(|of| format!("not determined: {of}")));
     notes.push(format!(
         "left alone, as these points do not show them: {}; values of them that a machine states are subtracted first",

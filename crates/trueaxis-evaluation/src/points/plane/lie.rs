@@ -190,6 +190,12 @@ impl Lie {
         }
     }
 
+    /// The other direction across a line, if it was measured too.
+    pub(super) fn unused(self, points: &Points) -> Option<usize> {
+        let Lie::Line([_, across]) = self else { return None };
+        self.others().find(|k| *k != across && points.spread(|point| point.deviation_mm[*k]) > 0.0)
+    }
+
     fn others(self) -> impl Iterator<Item = usize> {
         (0..3).filter(move |k| !self.free().contains(k))
     }

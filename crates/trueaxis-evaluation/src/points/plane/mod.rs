@@ -58,6 +58,8 @@ pub struct PlaneFit {
     pub changes: Vec<String>,
     /// Range of the points across their plane or line, as a share of their length.
     tilt: f64,
+    /// Direction across a line that was measured and is not evaluated.
+    unused: Option<usize>,
     lie: Lie,
     /// Terms of an inclined plane, and the combinations that it leaves open.
     inclined: (Vec<inclined::Term>, Vec<String>),
@@ -118,7 +120,7 @@ pub fn identify_plane(
         },
         _ => (None, Vec::new()),
     };
-    let (tilt, points) = (lie.tilt(points), readings);
+    let (tilt, unused, points) = (lie.tilt(points), lie.unused(points), readings);
     Ok(PlaneFit {
         axes,
         errors,
@@ -127,6 +129,7 @@ pub fn identify_plane(
         machine,
         changes,
         tilt,
+        unused,
         lie,
         inclined,
         points,
