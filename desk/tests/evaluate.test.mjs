@@ -261,7 +261,8 @@ test("points of a plate have the models of the command line, and a second record
   assert.ok(found.transfer.transfers && found.model.startsWith("tables"), found.model);
   const models = await shownTable(panel, "Models, by their errors at held-out points");
   for (const { model, held_out_um, rank } of found.models) {
-    near(models[model]["held out, µm"], held_out_um, model);
+    if (held_out_um === null) assert.equal(models[model]["held out, µm"], "–", model);
+    else near(models[model]["held out, µm"], held_out_um, model);
     near(models[model].rank, rank, model);
   }
   near((await shownTable(panel, "Terms in another record"))["again.csv"]["with these terms"], found.transfer.after_um, "transfer");
