@@ -52,6 +52,7 @@ RESULTS = [
     ("StepDiagonal", "evaluate_step_diagonal", f"{EVALUATION}/diagonal/document.rs", "DiagonalDocument", [WRITTEN]),
     ("RTest", "evaluate_r_test", f"{EVALUATION}/r_test/document.rs", "RTestDocument", [WRITTEN, RESIDUALS]),
     ("MeasuredPoints", "evaluate_points", f"{EVALUATION}/points/document.rs", "PointsDocument", [RESIDUALS]),
+    ("MeasuredPlane", "evaluate_points", f"{EVALUATION}/points/plane/document.rs", "PlaneDocument", [RESIDUALS]),
     ("Uncertainty", "Machine.uncertainty", f"{EVALUATION}/uncertainty/document.rs", "UncertaintyDocument", []),
     ("PredictedPart", "predict", f"{EVALUATION}/predict/document.rs", "PredictDocument", []),
     ("Helicoid", "helicoid", f"{EVALUATION}/helicoid/document.rs", "HelicoidDocument",
@@ -139,7 +140,7 @@ def fields_of(body):
 
 
 class Sources:
-    """All serialised types of the crates; a name is looked for in the file, then in its folder, then everywhere."""
+    """All serialised types of the crates; a name is looked for in the file, then in its folder and those above, then everywhere."""
 
     def __init__(self):
         self.all = {}
@@ -150,7 +151,8 @@ class Sources:
 
     def find(self, name, beside):
         known = self.all.get(name, [])
-        for near in ([of for of in known if of.file == beside], [of for of in known if of.file.parent == beside.parent], known):
+        above = ([of for of in known if of.file.parent == folder] for folder in beside.parents)
+        for near in ([of for of in known if of.file == beside], *above, known):
             if len(near) == 1:
                 return near[0]
         return None

@@ -68,6 +68,17 @@ function points() {
   return lines("x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm,u_um", rows);
 }
 
+/** A lattice of X and Y with a scale of X, and a waviness of Y over X that tables follow. */
+function plate(scale, seed) {
+  const [rows, um] = [[], noise(seed)];
+  for (let i = 0; i < 9; i++)
+    for (let j = 0; j < 7; j++) {
+      const [x, y] = [-160 + 40 * i, -120 + 40 * j];
+      rows.push([x, y, -60, x + 1e-3 * (scale * x + um()), y + 1e-3 * (6 * Math.sin(1.7 * i) + um()), -60]);
+    }
+  return lines("x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm", rows);
+}
+
 /** 36 points in each of four runs, the spindle turned by 90°, the tip 4 µm off. */
 function ring() {
   const [rows, um] = [[], noise(11)];
@@ -90,7 +101,7 @@ function warming() {
   return lines("t_s,x1_um,z_um,x2_um,ambient_c,spindle_c", rows);
 }
 
-const records = { "bk.csv": rTest(), "steps.csv": steps(), "points.csv": points(), "ring.csv": ring(), "warming.csv": warming() };
+const records = { "bk.csv": rTest(), "steps.csv": steps(), "points.csv": points(), "plate.csv": plate(0.04, 3), "again.csv": plate(0.04, 4), "other.csv": plate(-0.04, 5), "ring.csv": ring(), "warming.csv": warming() };
 for (const [name, text] of Object.entries(records)) fs.writeFileSync(path.join(folder, name), text);
 
 const near = (found, needed, what) => assert.ok(Math.abs(found - needed) <= 1e-9 * Math.max(1, Math.abs(needed)), `${what}: found ${found}, the command line has ${needed}`);
@@ -236,6 +247,32 @@ test("measured points have the 21 errors of the command line, and become a machi
   assert.equal(await code(panel), "trueaxis evaluate points points.csv --machine mill-3axis -o mill-3axis-measured");
   await pictured(page, "tests-points");
   await put(page, panel, "measured");
+  await close();
+});
+
+test("points of a plate have the models of the command line, and a second record tests them", async () => {
+  const { page, panel, close } = await opened();
+  const both = async (second) => {
+    await drop(panel, { "plate.csv": records["plate.csv"], [second]: records[second] });
+    await panel.getByRole("rowheader", { name: second, exact: true }).waitFor();
+  };
+  await both("again.csv");
+  const found = await evaluate(["points", "plate.csv", "--machine", sample("mill-3axis"), "--against", "again.csv", "-o", "plate"]);
+  assert.ok(found.transfer.transfers && found.model.startsWith("tables"), found.model);
+  const models = await shownTable(panel, "Models, by their errors at held-out points");
+  for (const { model, held_out_um, rank } of found.models) {
+    if (held_out_um === null) assert.equal(models[model]["held out, µm"], "–", model);
+    else near(models[model]["held out, µm"], held_out_um, model);
+    near(models[model].rank, rank, model);
+  }
+  near((await shownTable(panel, "Terms in another record"))["again.csv"]["with these terms"], found.transfer.after_um, "transfer");
+  assert.equal(await code(panel), "trueaxis evaluate points plate.csv --against again.csv --machine mill-3axis -o mill-3axis-measured");
+  await pictured(page, "tests-plate");
+  await both("other.csv");
+  await panel.getByText(/^the terms do not transfer to other\.csv.*nothing is written$/).first().waitFor();
+  assert.equal(await panel.getByRole("button", { name: "Put into the machine" }).count(), 0);
+  await both("again.csv");
+  await put(page, panel, "plate");
   await close();
 });
 

@@ -10,6 +10,7 @@ mod field;
 mod helicoid;
 #[cfg(feature = "simulated")]
 mod hour;
+mod lines;
 mod plane;
 #[cfg(feature = "simulated")]
 mod plate_on_edge;

@@ -4,7 +4,7 @@ use crate::machine::{self, Machine};
 use crate::measured::Measured;
 use crate::shown::result;
 use crate::{Error, json, to_python, warn};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -365,25 +365,39 @@ pub(crate) fn evaluate_r_test<'py>(
     })
 }
 
-/// Determine the 21 errors of X, Y, Z from measured coordinates.
+/// The document of measured points.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Coordinates {
+    Volume(Box<coordinates::PointsDocument>),
+    Plane(Box<coordinates::PlaneDocument>),
+}
+
+/// Determine the errors of X, Y, Z from measured coordinates.
+///
+/// Points throughout a volume give the 21 errors. Points in a plane or on a line give affine terms, tables of one dimension or a
+/// smooth map, whichever predicts held-out points best.
 ///
 /// Parameters
 /// ----------
 /// record : dict of array-likes or data frame or path-like or file object
 ///     A file, or a dict of arrays x_mm, y_mm, z_mm, actual_x_mm, actual_y_mm, actual_z_mm[, u_um][, tool_x_mm
 ///     …].
-/// machine : Machine
-///     Machine that states chain, offsets, tool and `measured_at_mm`.
+/// machine : Machine, optional
+///     Machine that states chain, offsets, tool and `measured_at_mm`. Points in a plane or on a line may do without one.
 /// nodes : sequence of int, optional
-///     Numbers of evenly spaced nodes in the tables of X, Y, Z; by default, the levels of the points, else 11.
+///     Numbers of evenly spaced nodes in the tables of X, Y, Z; by default, the levels of the points, else 11; in a plane, those
+///     that predict best.
 /// without : sequence of str, optional
 ///     Angular errors to leave at zero, such as "EBX".
+/// against : dict of array-likes or data frame or path-like or file object, optional
+///     Points in a plane or on a line: a second record, of another plate or another day, on which the errors are tested.
 /// residuals : bool, default False
-///     True adds the residual of every point along X, Y, Z under `residuals_um`, (n, 3).
+///     True adds the residual of every point under `residuals_um`: along X, Y, Z, (n, 3); in a plane along its two axes, (n, 2).
 ///
 /// Returns
 /// -------
-/// MeasuredPoints
+/// MeasuredPoints or MeasuredPlane
 ///     The document of `trueaxis evaluate points --json`.
 ///
 /// Raises
@@ -391,30 +405,56 @@ pub(crate) fn evaluate_r_test<'py>(
 /// trueaxis.Error
 ///     If an argument or a record is refused: what was found, and what is needed.
 #[pyfunction]
-#[pyo3(signature = (record, *, machine, nodes = None, without = Vec::new(), residuals = false))]
+#[pyo3(signature = (record, *, machine = None, nodes = None, without = Vec::new(), against = None, residuals = false))]
 pub(crate) fn evaluate_points<'py>(
     py: Python<'py>,
     record: &Bound<'py, PyAny>,
-    machine: &Bound<'py, Machine>,
+    machine: Option<&Bound<'py, Machine>>,
     nodes: Option<Vec<usize>>,
     without: Vec<String>,
+    against: Option<&Bound<'py, PyAny>>,
     residuals: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
+    use coordinates::{COLUMNS, Options, PlaneDocument, Points, PointsDocument};
     let nodes = nodes.as_deref().map(coordinates::nodes).transpose();
     let nodes = asked(nodes.map_err(|wrong| format!("nodes: {wrong}")))?;
-    let machine = &machine.get().machine;
-    let options = coordinates::Options { nodes, without };
-    let left = OnceLock::new();
-    let evaluate = |rows: &mut Rows<'_, { coordinates::COLUMNS.len() }>, name: &str| {
-        let points = coordinates::Points::read(rows)?;
-        let found =
-            coordinates::identify(&points, machine, &options).map_err(|error| error.context(name.to_owned()))?;
-        let _ = left.set(in_um(&found.left_mm));
-        let document = coordinates::PointsDocument::new(&points, &found);
+    let machine = machine.map(|machine| &machine.get().machine);
+    let options = Options { nodes, without };
+    let measured = Measured::of_columns(record, "record", &COLUMNS)?;
+    let other = against.map(|other| Measured::of_columns(other, "against", &COLUMNS)).transpose()?;
+    let mut notes = Vec::new();
+    let found = py.detach(|| {
+        let name = measured.name().display().to_string();
+        let points = Points::read(&mut measured.rows(&COLUMNS, &mut notes)?)?;
+        if points.are_flat() {
+            let read = |other: &Measured, notes: &mut Vec<String>| Points::read(&mut other.rows(&COLUMNS, notes)?);
+            let against = other.as_ref().map(|other| read(other, &mut notes)).transpose()?;
+            let other_name = other.as_ref().map(|other| other.name().display().to_string()).unwrap_or_default();
+            let against = against.as_ref().map(|points| (points, other_name.as_str()));
+            let found = coordinates::identify_plane(&points, machine, &options, against);
+            let found = found.map_err(|error| error.context(name))?;
+            let document = PlaneDocument::new(&found, points.stated);
+            let shown = document.shown(&found);
+            let left: Vec<f64> = found.left_mm().into_iter().flatten().map(|mm| 1e3 * mm).collect();
+            return Ok(("MeasuredPlane", Coordinates::Plane(Box::new(document)), shown, left, 2));
+        }
+        if other.is_some() {
+            bail!("against: found points along X, Y and Z, needed points in a plane or on a line");
+        }
+        let Some(machine) = machine else {
+            bail!("machine: found none, needed one for points along X, Y and Z");
+        };
+        let found = coordinates::identify(&points, machine, &options).map_err(|error| error.context(name))?;
+        let document = PointsDocument::new(&points, &found);
         let shown = document.shown(&points, &found);
-        Ok((document, shown, Additions::default()))
-    };
-    decided_with(py, "MeasuredPoints", record, &coordinates::COLUMNS, None, evaluate, |document| {
-        with_residuals(document, left.get().filter(|_| residuals))
-    })
+        Ok(("MeasuredPoints", Coordinates::Volume(Box::new(document)), shown, in_um(&found.left_mm), 3))
+    });
+    notes.iter().try_for_each(|note| warn(py, note))?;
+    let (kind, document, shown, left, directions) = to_python(found)?;
+    let found = json::dictionary(py, &document)?;
+    if residuals {
+        let rows = [left.len() / directions, directions];
+        found.set_item("residuals_um", PyArray1::from_vec(py, left).reshape(rows)?)?;
+    }
+    result(kind, found, Some(shown))
 }

@@ -73,6 +73,37 @@ def test_points_of_a_mill(tmp_path):
     assert refused(lambda: trueaxis.evaluate_points(record, machine=mill, nodes=[1, 5, 5])).startswith("nodes: found [1, 5, 5]")
 
 
+def plate(scale_ppm, seed):
+    """A lattice of 9 by 7 with a scale of X, noise of 1 µm."""
+    noise = np.random.default_rng(seed)
+    x, y = (axis.ravel() for axis in np.meshgrid(np.linspace(-160, 160, 9), np.linspace(-120, 120, 7)))
+    at = np.zeros((3, x.size))
+    at[:2] = x, y
+    actual = at.copy()
+    actual[0] += 1e-6 * scale_ppm * x
+    actual[:2] += noise.normal(0, 1e-3, (2, x.size))
+    return dict(zip(("x_mm", "y_mm", "z_mm"), at)) | dict(zip(("actual_x_mm", "actual_y_mm", "actual_z_mm"), actual))
+
+
+def test_points_of_a_plate(tmp_path):
+    record, second, other = plate(40, 1), plate(40, 2), plate(-40, 3)
+    file = tmp_path / "second.csv"
+    file.write_text(",".join(second) + "\n" + "".join(",".join(repr(float(v)) for v in row) + "\n" for row in zip(*second.values())))
+    found = same_as_command(tmp_path, "points", record, lambda record: trueaxis.evaluate_points(record, against=str(file)), "--against", file)
+    assert found.shape == "plane" and found.model == "affine" and found.transfer.transfers
+    assert found.terms[0].name == "scale X" and found.terms[0].value == pytest.approx(40, abs=4 * found.terms[0].standard_error)
+    assert not trueaxis.evaluate_points(record, against=other).transfer.transfers
+    mill = trueaxis.Machine.load(TABLES / "mill-3axis")
+    fitted = trueaxis.evaluate_points(record, machine=mill, residuals=True)
+    assert fitted.residuals_um.shape == (63, 2)
+    assert np.sqrt(np.mean(np.sum(fitted.residuals_um**2, axis=1))) == pytest.approx(fitted.left.rms_um)
+    line = {name: values[:9] for name, values in record.items()}
+    assert trueaxis.evaluate_points(line).shape == "line"
+    volume = {name: np.concatenate([values, values + (100 if "z" in name else 0)]) for name, values in record.items()}
+    assert refused(lambda: trueaxis.evaluate_points(volume)).startswith("machine: found none, needed one")
+    assert refused(lambda: trueaxis.evaluate_points(volume, machine=mill, against=second)).startswith("against: found points along X, Y and Z")
+
+
 def test_location_errors_of_rotary_axes(tmp_path):
     rows = []
     for a in np.radians([-90, -60, -30, 0, 20]):

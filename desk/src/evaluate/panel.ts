@@ -23,6 +23,8 @@ const WITHOUT = "Open a record, or drop one: its columns identify the test.";
 
 export class Evaluate {
   private record: { name: string; bytes: Uint8Array; sample: Test | undefined } | undefined;
+  /** A second record, dropped with the first, on which its errors are tested. */
+  private against: { name: string; text: string } | undefined;
   /** Identified from the columns of the record. */
   private recognised: Test | undefined;
   private latest = 0;
@@ -94,7 +96,7 @@ export class Evaluate {
   open({ chosen, options, sample }: ViewState): void {
     this.chosen.value = chosen;
     for (const [test, own] of this.options) for (const option of own) option.open(options[`${test}.${option.key}`] ?? option.kept());
-    this.record = this.recognised = undefined;
+    this.record = this.recognised = this.against = undefined;
     if (sample && SAMPLES[sample]) this.trySample(sample);
     else this.nothing("The record was a file: drop it again.");
   }
@@ -103,9 +105,11 @@ export class Evaluate {
     return this.chosen.value || this.recognised;
   }
 
-  private take([file]: Given[]): void {
+  private take([file, second]: Given[]): void {
     if (!file) return;
-    this.record = { name: file.path.split("/").at(-1) ?? file.path, bytes: file.bytes, sample: undefined };
+    const name = ({ path }: Given) => path.split("/").at(-1) ?? path;
+    this.record = { name: name(file), bytes: file.bytes, sample: undefined };
+    this.against = second && { name: name(second), text: new TextDecoder().decode(second.bytes) };
     this.recognised = undefined;
     void this.evaluate();
   }
@@ -124,6 +128,7 @@ export class Evaluate {
     const { name, text } = SAMPLES[test]!;
     if (this.chosen.value !== "") this.chosen.value = test;
     this.record = { name, bytes: new TextEncoder().encode(text), sample: test };
+    this.against = undefined;
     this.recognised = undefined;
     void this.evaluate();
   }
@@ -150,7 +155,8 @@ export class Evaluate {
       const { test } = this;
       if (turn !== this.latest || !test) return;
       this.describe();
-      const request = Object.fromEntries((this.options.get(test) ?? []).map((option) => [option.key, option.given()]));
+      const options = Object.fromEntries((this.options.get(test) ?? []).map((option) => [option.key, option.given()]));
+      const request = test === "points" ? { ...options, against: this.against } : options;
       const said = await desk.bench.call("evaluate_record", test, desk.machine.json, record.name, record.bytes, JSON.stringify(request));
       if (turn !== this.latest) return;
       const { shown, becomes, notes } = JSON.parse(said) as Evaluated;
@@ -182,6 +188,7 @@ export class Evaluate {
     if (!test) return;
     const name = word(this.desk.machine.name);
     const words = (this.options.get(test) ?? []).flatMap((option) => option.words());
+    if (test === "points" && this.against) words.push("--against", word(this.against.name));
     const machine = TESTS[test].machine ? ["--machine", name, "-o", test === "points" ? `${name}-measured` : name] : [];
     this.command.set(["trueaxis evaluate", test, word(this.record?.name ?? "record.csv"), ...words, ...machine].join(" "));
   }

@@ -113,9 +113,10 @@ export const TESTS: Record<Test, Described> = {
     options: (again) => [optional("alignment_urad", "Standard uncertainty of the mirror's alignment", "µrad", "not known", again)],
   },
   points: {
-    title: "Measured points, multilateration",
+    title: "Measured points",
     columns: "x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm[,u_um][,tool_x_mm,tool_y_mm,tool_z_mm]",
-    about: "One row per point: commanded position, coordinates measured by a tracker or tracer, their standard uncertainty, the reflector's offset. Gives the 21 errors of X, Y, Z of the machine shown.",
+    about:
+      "One row per point: commanded position, measured coordinates, their standard uncertainty, the reflector's offset. Points throughout a volume give the 21 errors of X, Y, Z of the machine shown; points in a plane or on a line affine terms, tables or a map. Drop a second record of a plane with the first to test whether these errors transfer.",
     machine: true,
     options: (again) => [
       list("nodes", "Nodes of the tables of X, Y, Z", "the levels of the points", again, "three numbers of 2 to 101"),

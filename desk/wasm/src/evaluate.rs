@@ -24,9 +24,18 @@ struct Request {
     nodes: Option<Vec<usize>>,
     feature: probing::Feature,
     diameter_mm: Option<f64>,
+    /// Points in a plane: a second record, on which the errors are tested.
+    against: Option<Against>,
     test: String,
     period_min: f64,
     distance_mm: Option<f64>,
+}
+
+/// A second record.
+#[derive(Deserialize)]
+struct Against {
+    name: String,
+    text: String,
 }
 
 impl Default for Request {
@@ -39,6 +48,7 @@ impl Default for Request {
             nodes: None,
             feature: probing::Feature::Ring,
             diameter_mm: None,
+            against: None,
             test: "spindle".into(),
             period_min: 60.0,
             distance_mm: None,
@@ -122,15 +132,28 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
         "points" => {
             let nodes = request.nodes.as_deref().map(points::nodes).transpose();
             let nodes = nodes.map_err(|wrong| anyhow!("--nodes: {wrong}"))?;
-            let record = Rows::new(bytes, path, &points::COLUMNS, |note| notes.push(note))?;
-            let record = points::Points::read(&mut { record })?;
+            let mut read = |bytes: &[u8], name: &str| {
+                points::Points::read(&mut Rows::new(bytes, Path::new(name), &points::COLUMNS, |note| notes.push(note))?)
+            };
+            let record = read(bytes, name)?;
+            let against = request.against.as_ref();
+            let against = against.map(|of| Ok::<_, anyhow::Error>((read(of.text.as_bytes(), &of.name)?, &of.name)));
+            let against = against.transpose()?;
             let machine = machine(files, &mut notes)?;
             let options = points::Options { nodes, without: request.without };
-            let found =
-                points::identify(&record, &machine, &options).map_err(|error| error.context(name.to_owned()))?;
-            let document = points::PointsDocument::new(&record, &found);
-            let becomes = Becomes::whole(files, document.files(&found, name))?;
-            (document.shown(&record, &found), Some(becomes))
+            let context = |error: anyhow::Error| error.context(name.to_owned());
+            if record.are_flat() {
+                let against = against.as_ref().map(|(points, name)| (points, name.as_str()));
+                let found = points::identify_plane(&record, Some(&machine), &options, against).map_err(context)?;
+                let document = points::PlaneDocument::new(&found, record.stated);
+                let changed = document.files(&found, name);
+                (document.shown(&found), changed.map(|changed| Becomes::whole(files, changed)).transpose()?)
+            } else {
+                let found = points::identify(&record, &machine, &options).map_err(context)?;
+                let document = points::PointsDocument::new(&record, &found);
+                let becomes = Becomes::whole(files, document.files(&found, name))?;
+                (document.shown(&record, &found), Some(becomes))
+            }
         }
         "probing" => {
             probing::check(request.diameter_mm).map_err(|wrong| wrong.option())?;

@@ -47,6 +47,8 @@ with the fewest unknowns whose mean squared error at held-out points exceeds the
 error of the difference. Everything else that the machine states is subtracted first and stays. A map is written as a \
 grid and holds the value of the nearest edge beyond the points. If no model predicts better than the placement alone, \
 nothing is written.
+One line along an axis gives its scale or table of positioning, and the straightness across it without a slope. A plane \
+inclined to the axes gives the scales and squarenesses that it determines; the sums of the others are named.
 --against OTHER.csv applies the errors to a second record (another plate, another day), aligned rigidly with and without \
 them. They transfer if they reduce its squared residuals, summed over 16 areas, more than 95 % of all changes of the \
 areas' signs would (permutation test, level 0.05). If they do not, nothing is written.
@@ -64,7 +66,7 @@ pub(crate) struct PointsArgs {
     /// Points in a plane may do without one.
     #[arg(long, value_name = "M")]
     machine: Option<PathBuf>,
-    /// Points in a plane: another record, of a second plate or another day. The errors are written only if they help it.
+    /// Points in a plane or on a line: another record, of a second plate or another day. The errors are written only if they help it.
     #[arg(long, value_name = "OTHER.csv")]
     against: Option<PathBuf>,
     /// Folder to write the machine with the errors into.
@@ -93,7 +95,7 @@ pub(crate) fn run(arguments: &PointsArgs) -> Result<()> {
         return plane(arguments, &points, &options);
     }
     if arguments.against.is_some() {
-        bail!("--against: found points along X, Y and Z, needed points in a plane");
+        bail!("--against: found points along X, Y and Z, needed points in a plane or on a line");
     }
     let Some(machine) = &arguments.machine else {
         bail!("--machine: found none, needed one for points along X, Y and Z");

@@ -5,6 +5,7 @@ mod polar;
 mod shown;
 
 pub use plane::Plane;
+pub(crate) use plane::principal;
 pub use polar::{Drawn, polar};
 pub(crate) use shown::NAMES;
 

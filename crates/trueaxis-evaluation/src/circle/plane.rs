@@ -22,7 +22,9 @@ impl Plane {
     pub(super) fn of(points: &[[f64; 3]]) -> (Plane, Vec<[f64; 2]>) {
         let points: Vec<DVec3> = points.iter().copied().map(DVec3::from).collect();
         let mean = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
-        let normal = least(points.iter().map(|point| *point - mean));
+        let normal = principal(points.iter().map(|point| *point - mean))[0].1;
+        let most = normal.abs().max_element();
+        let normal = if normal.min_element() == -most { -normal } else { normal };
         let auxiliary = if normal.x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
         let first = (auxiliary - normal * auxiliary.dot(normal)).normalize();
         let across = [first, normal.cross(first)];
@@ -41,8 +43,9 @@ impl Plane {
     }
 }
 
-/// The direction along which the offsets have the least sum of squares, by Jacobi's rotations of their moments.
-fn least(offsets: impl Iterator<Item = DVec3>) -> DVec3 {
+/// Sums of the squares of the offsets along their principal directions, ascending, and these directions: by Jacobi's rotations of
+/// the moments.
+pub(crate) fn principal(offsets: impl Iterator<Item = DVec3>) -> [(f64, DVec3); 3] {
     let mut moments = [[0.0; 3]; 3];
     for offset in offsets.map(|offset| offset.to_array()) {
         for (row, one) in moments.iter_mut().zip(offset) {
@@ -62,9 +65,7 @@ fn least(offsets: impl Iterator<Item = DVec3>) -> DVec3 {
         moments[p] = std::array::from_fn(|k| cos * one[k] - sin * other[k]);
         moments[q] = std::array::from_fn(|k| sin * one[k] + cos * other[k]);
     }
-    let smallest = (0..3).min_by(|a, b| moments[*a][*a].total_cmp(&moments[*b][*b])).unwrap_or(2);
-    let normal = DVec3::from(turned.map(|row| row[smallest])).normalize();
-    let largest =
-        normal.to_array().into_iter().fold(0.0, |most: f64, at| if at.abs() > most.abs() { at } else { most });
-    if largest < 0.0 { -normal } else { normal }
+    let mut found = [0, 1, 2].map(|k| (moments[k][k], DVec3::from(turned.map(|row| row[k])).normalize()));
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found
 }

@@ -10,7 +10,7 @@ from ._propagate import Propagated as Propagated, propagate as propagate
 from ._results import Figure as Figure, Result as Result, Section as Section
 from ._types import *
 
-__all__ = ["Error", "NeedsPerson", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "calibrate_plan", "calibrate_solve", "keep_plan", "keep_begin", "keep_check", "keep_apply", "keep_undo", "keep_history", "thermal_fit", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate", "accuracy", "thermal_compile", "learn", "predict", "import_table", "export_table", "trace_roundness", "__version__", "Figure", "Result", "Section", "Propagated", "propagate", "Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "Uncertainty", "PredictedPart", "Helicoid", "Learned", "Transfer", "Run"]
+__all__ = ["Error", "NeedsPerson", "Machine", "Path", "Program", "helicoid", "identify", "friction", "ballbar", "calibrate_plan", "calibrate_solve", "keep_plan", "keep_begin", "keep_check", "keep_apply", "keep_undo", "keep_history", "thermal_fit", "evaluate_probing", "evaluate_thermal", "evaluate_step_diagonal", "evaluate_r_test", "evaluate_points", "circle", "roundness", "probe_angles", "simulate", "accuracy", "thermal_compile", "learn", "predict", "import_table", "export_table", "trace_roundness", "__version__", "Figure", "Result", "Section", "Propagated", "propagate", "Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "MeasuredPlane", "Uncertainty", "PredictedPart", "Helicoid", "Learned", "Transfer", "Run"]
 
 __version__: str
 
@@ -342,11 +342,12 @@ def evaluate_r_test(
 def evaluate_points(
     record: Mapping[str, ArrayLike] | Frame | str | PathLike[str] | Readable,
     *,
-    machine: Machine,
+    machine: Machine | None = None,
     nodes: Sequence[int] | None = None,
     without: Sequence[str] = ...,
+    against: Mapping[str, ArrayLike] | Frame | str | PathLike[str] | Readable | None = None,
     residuals: bool = False,
-) -> MeasuredPoints: ...
+) -> MeasuredPoints | MeasuredPlane: ...
 def accuracy(
     record: Mapping[str, ArrayLike] | Frame | str | PathLike[str] | Readable,
     *,

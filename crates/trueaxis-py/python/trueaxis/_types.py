@@ -2484,6 +2484,182 @@ class MeasuredPoints(Result):
     residuals_um: NDArray[np.float64]
 
 
+class Candidate(Section):
+    """A model that was compared.
+
+    Attributes
+    ----------
+    model : str
+        Name of the model.
+    unknowns : int
+        Number of unknowns.
+    rank : int
+        Number of unknowns that the points determine.
+    held_out_um : float | None
+        Root mean square of the predictions' errors at held-out points, µm; null if the points do not determine the model.
+    left_um : float
+        Root mean square of the residuals of all points, µm.
+    degrees_of_freedom : int
+        Coordinates minus rank.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    model: str
+    unknowns: int
+    rank: int
+    held_out_um: float | None
+    left_um: float
+    degrees_of_freedom: int
+
+
+class PlaneTerm(Section):
+    """A scale or squareness.
+
+    Attributes
+    ----------
+    name : str
+        `scale X`, `C0Y` and the like.
+    unit : str
+        `ppm` or `urad`.
+    value : float
+        The value.
+    standard_error : float
+        Standard error, same unit.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    name: str
+    unit: str
+    value: float
+    standard_error: float
+
+
+class MeasuredPlaneTransfer(Section):
+    """Result of the test.
+
+    Attributes
+    ----------
+    record : str
+        Name of the other record.
+    points : int
+        Number of its points.
+    before_um : float
+        Its deviations after a rigid alignment, root mean square, µm.
+    after_um : float
+        The same after the terms are subtracted, µm.
+    own_um : float | None
+        Held-out residual of the same model with terms of its own, µm; null if the record does not determine them.
+    areas : int
+        Number of areas.
+    p : float
+        Probability of so large a reduction if the terms do nothing.
+    level : float
+        Largest p at which the terms count as transferable.
+    transfers : bool
+        Whether the terms transfer.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {}
+    record: str
+    points: int
+    before_um: float
+    after_um: float
+    own_um: float | None
+    areas: int
+    p: float
+    level: float
+    transfers: bool
+
+
+class MeasuredPlane(Result):
+    """Result of `evaluate_points`.
+
+    Attributes
+    ----------
+    points : int
+        Number of points in the file.
+    shape : str
+        `plane`: of two axes; `line`: along an axis; `inclined plane`.
+    plane : tuple[str, ...]
+        Letters of the axes of the plane; of a line's axis and the axis across it; for an inclined plane, of the axes next to its two directions.
+    model : str
+        Name of the chosen model.
+    models : tuple[Candidate, ...]
+        All models that were compared.
+    before : Left
+        Deviations of the points in the plane, without the plate's placement.
+    left : Left
+        Residuals of all points.
+    held_out : Left
+        Residuals of the points in fits that each lack a tenth of them, among these the point.
+    sigma_um : float
+        Standard deviation of a coordinate, from the residuals: noise and what the model does not describe.
+    sigma_over_stated : float | None
+        Ratio of the residuals to the stated uncertainties; null if none are stated.
+    degrees_of_freedom : int
+        Coordinates minus rank.
+    unknowns : int
+        Number of unknowns of the chosen model.
+    rank : int
+        Number of them that the points determine.
+    terms : tuple[PlaneTerm, ...]
+        Scales and squareness; empty for a map.
+    functions : tuple[Function, ...]
+        Errors that the tables contain; empty for a map.
+    map_um : NDArray[np.float64] | None
+        Largest errors of the map along both axes, µm; null for tables.
+    nodes : NDArray[np.int64]
+        Nodes of the tables or of the grid along both axes.
+    grid_off_um : float | None
+        Largest difference between grid and map at the points, µm; null for tables.
+    shift_mm : NDArray[np.float64]
+        Shift of the plate, mm.
+    turn_urad : float
+        Rotation of the plate from the first axis toward the second, µrad.
+    not_determined : tuple[str, ...]
+        Terms that points which lie like these do not determine, and the combinations of them that they do.
+    left_alone : tuple[str, ...]
+        Errors and axes that the points do not show.
+    transfer : MeasuredPlaneTransfer | None
+        Test on another record; null without one.
+    notes : tuple[str, ...]
+        Remarks on the result.
+    residuals_um : NDArray[np.float64]
+        Residuals of the fit, µm, with `residuals=True`: one a touch, or one row a reading, a measured point or a sample.
+    """
+
+    __slots__ = ()
+    _sections: ClassVar[dict[str, type[Section]]] = {"models": Candidate, "before": Left, "left": Left, "held_out": Left, "terms": PlaneTerm, "functions": Function, "transfer": MeasuredPlaneTransfer}
+    points: int
+    shape: str
+    plane: tuple[str, ...]
+    model: str
+    models: tuple[Candidate, ...]
+    before: Left
+    left: Left
+    held_out: Left
+    sigma_um: float
+    sigma_over_stated: float | None
+    degrees_of_freedom: int
+    unknowns: int
+    rank: int
+    terms: tuple[PlaneTerm, ...]
+    functions: tuple[Function, ...]
+    map_um: NDArray[np.float64] | None
+    nodes: NDArray[np.int64]
+    grid_off_um: float | None
+    shift_mm: NDArray[np.float64]
+    turn_urad: float
+    not_determined: tuple[str, ...]
+    left_alone: tuple[str, ...]
+    transfer: MeasuredPlaneTransfer | None
+    notes: tuple[str, ...]
+    residuals_um: NDArray[np.float64]
+
+
 class AtPointSpread(Section):
     """Spread of the position along X, Y, Z in machine directions.
 
@@ -3304,4 +3480,4 @@ class Run(Result):
     trace: Section
 
 
-__all__ = ["Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "Uncertainty", "PredictedPart", "Helicoid", "Learned", "Transfer", "Run"]
+__all__ = ["Circle", "Roundness", "ProbeAngles", "Accuracy", "Ballbar", "Identification", "Friction", "ThermalFit", "Calibration", "CalibrationPlan", "KeepPlan", "Reprobing", "Probing", "ThermalTest", "StepDiagonal", "RTest", "MeasuredPoints", "MeasuredPlane", "Uncertainty", "PredictedPart", "Helicoid", "Learned", "Transfer", "Run"]

@@ -2,13 +2,16 @@
 
 use super::machine::squareness;
 use super::selection::{mean_square, square};
-use super::{LINEAR, PlaneErrors, PlaneFit, Transfer};
+use super::{LINEAR, Lie, PlaneErrors, PlaneFit, Transfer};
 use crate::diagonal::Value;
 use crate::points::document::left;
 use crate::points::{Function, Left};
 use serde::Serialize;
 use trueaxis_report::number::significant;
 use trueaxis_tables::formats::machine_files;
+
+/// Tilt that is noted, as a share of the points' length.
+const TILTED: f64 = 1e-4;
 
 /// A model that was compared.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -44,7 +47,10 @@ pub struct PlaneTerm {
 pub struct PlaneDocument {
     /// Number of points in the file.
     pub points: usize,
-    /// Letters of the axes along which the points vary.
+    /// `plane`: of two axes; `line`: along an axis; `inclined plane`.
+    pub shape: &'static str,
+    /// Letters of the axes of the plane; of a line's axis and the axis across it; for an inclined plane, of the axes next to its
+    /// two directions.
     pub plane: [char; 2],
     /// Name of the chosen model.
     pub model: String,
@@ -80,6 +86,8 @@ pub struct PlaneDocument {
     pub shift_mm: [f64; 2],
     /// Rotation of the plate from the first axis toward the second, µrad.
     pub turn_urad: f64,
+    /// Terms that points which lie like these do not determine, and the combinations of them that they do.
+    pub not_determined: Vec<String>,
     /// Errors and axes that the points do not show.
     pub left_alone: Vec<String>,
     /// Test on another record; null without one.
@@ -113,6 +121,7 @@ impl PlaneDocument {
         let [u, v, turn] = found.placement;
         PlaneDocument {
             points: found.points.len(),
+            shape: found.shape(),
             plane: found.letters(),
             model: found.model(),
             models: models(found),
@@ -131,6 +140,7 @@ impl PlaneDocument {
             grid_off_um,
             shift_mm: [u, v],
             turn_urad: 1e6 * turn,
+            not_determined: not_determined(found),
             left_alone: left_alone(found),
             transfer: found.transfer.clone(),
             notes: notes(found),
@@ -140,10 +150,8 @@ impl PlaneDocument {
     /// Files of the machine with the errors, as (name, text), if there is one; `source` is the name of the points' file.
     pub fn files(&self, found: &PlaneFit, source: &str) -> Option<Vec<(String, String)>> {
         let comment = format!(
-            "Measured: {} points of {source} over {} and {}, {}; held out {} um RMS.",
-            self.points,
-            self.plane[0],
-            self.plane[1],
+            "Measured: {} of {source}, {}; held out {} um RMS.",
+            self.points_sentence(found),
             self.model,
             significant(self.held_out.rms_um, 3)
         );
@@ -151,7 +159,22 @@ impl PlaneDocument {
     }
 }
 
+impl PlaneDocument {
+    /// The points in words.
+    pub(super) fn points_sentence(&self, found: &PlaneFit) -> String {
+        format!("{} {}", self.points, found.lie.sentence())
+    }
+}
+
 impl PlaneFit {
+    fn shape(&self) -> &'static str {
+        match self.lie {
+            Lie::Plane(_) => "plane",
+            Lie::Line(_) => "line",
+            Lie::Inclined(..) => "inclined plane",
+        }
+    }
+
     /// Residuals of the points in a candidate's fit, mm.
     pub(super) fn left_of(&self, candidate: usize) -> Vec<[f64; 2]> {
         self.points.iter().map(|point| self.candidates[candidate].fitted.left(point)).collect()
@@ -174,17 +197,29 @@ fn models(found: &PlaneFit) -> Vec<CandidateDocument> {
 fn terms(found: &PlaneFit) -> (Vec<PlaneTerm>, Vec<Function>) {
     let PlaneErrors::Tables(tables) = &found.errors else { return Default::default() };
     let letters = found.letters();
+    let shown = found.lie.free().len();
     let degrees_of_freedom = found.fitted().degrees_of_freedom as f64;
     let term = |name: String, unit, [value, error]: [f64; 2], sign: f64| {
         let of = Value { value: 1e6 * sign * value, standard_error: 1e6 * error, degrees_of_freedom };
         PlaneTerm { name, unit, of }
     };
+    if let Lie::Inclined(..) = found.lie {
+        let own = found.inclined_terms().iter();
+        let own = own.map(|of| term(of.name().into(), of.unit(), [of.value, of.standard_error], 1.0));
+        return (own.collect(), Vec::new());
+    }
     let (name, sign) = squareness(found.axes);
-    let mut terms: Vec<PlaneTerm> =
-        letters.iter().zip(tables.scale).map(|(letter, of)| term(format!("scale {letter}"), "ppm", of, 1.0)).collect();
-    terms.push(term(name.into(), "urad", tables.shear, sign));
+    let mut terms: Vec<PlaneTerm> = letters
+        .iter()
+        .zip(tables.scale)
+        .take(shown)
+        .map(|(letter, of)| term(format!("scale {letter}"), "ppm", of, 1.0))
+        .collect();
+    if let Lie::Plane(_) = found.lie {
+        terms.push(term(name.into(), "urad", tables.shear, sign));
+    }
     let mut functions = Vec::new();
-    for (axis, letter) in letters.iter().enumerate() {
+    for (axis, letter) in letters.iter().enumerate().take(shown) {
         for (direction, along) in letters.iter().enumerate() {
             let errors = &tables.standard_errors[axis][direction];
             let [low, high] = crate::points::found::range(tables.errors[axis][direction].iter().copied());
@@ -200,26 +235,72 @@ fn terms(found: &PlaneFit) -> (Vec<PlaneTerm>, Vec<Function>) {
     (terms, functions)
 }
 
-/// Errors of the free axes, and axes, that points in this plane do not show.
+/// What the setting of a line or an inclination leaves open.
+fn not_determined(found: &PlaneFit) -> Vec<String> {
+    match found.lie {
+        Lie::Plane(_) => Vec::new(),
+        Lie::Line([u, v]) => {
+            let (u, v) = (LINEAR[u].letter(), LINEAR[v].letter());
+            vec![
+                format!("slope of E{v}{u}: the direction in which the line was set"),
+                format!("{}: needs a second line across it, set at a known angle", squareness(sorted(found.axes)).0),
+            ]
+        }
+        Lie::Inclined(..) => found.inclined.1.clone(),
+    }
+}
+
+fn sorted([u, v]: [usize; 2]) -> [usize; 2] {
+    [u.min(v), u.max(v)]
+}
+
+/// Errors of the free axes, and axes, that the points do not show.
 fn left_alone(found: &PlaneFit) -> Vec<String> {
-    let others = LINEAR.iter().filter(|axis| !found.axes.contains(&axis.index())).map(|axis| axis.letter());
-    let other: String = others.collect();
-    let mut left: Vec<String> = found
-        .letters()
-        .iter()
-        .flat_map(|axis| format!("{other}ABC").chars().map(|of| format!("E{of}{axis}")).collect::<Vec<_>>())
-        .collect();
-    left.push(format!("axis {other}"));
+    if let Lie::Inclined(..) = found.lie {
+        return vec!["all errors of X, Y, Z but these terms".into()];
+    }
+    let others: Vec<char> =
+        LINEAR.iter().filter(|axis| !found.axes.contains(&axis.index())).map(|axis| axis.letter()).collect();
+    let rotations = others.iter().copied().chain("ABC".chars());
+    let shown = found.lie.free().iter().map(|axis| LINEAR[*axis].letter());
+    let mut left: Vec<String> =
+        shown.flat_map(|axis| rotations.clone().map(move |of| format!("E{of}{axis}"))).collect();
+    let across = LINEAR.iter().filter(|axis| !found.lie.free().contains(&axis.index()));
+    left.extend(across.map(|axis| format!("axis {}", axis.letter())));
     left
 }
 
 fn notes(found: &PlaneFit) -> Vec<String> {
     let [u, v] = found.letters();
-    let mut notes = vec![format!(
-        "the placement of the plate is removed; errors over {u} and {v} are zero at the reference position"
-    )];
+    let mut notes = vec![match found.lie {
+        Lie::Plane(_) => {
+            format!("the placement of the plate is removed; errors over {u} and {v} are zero at the reference position")
+        }
+        Lie::Line(_) => {
+            format!("the placement of the line is removed; errors over {u} are zero at the reference position")
+        }
+        Lie::Inclined(..) => {
+            "the placement of the plate is removed; terms are those beyond what a machine states".into()
+        }
+    }];
+    if found.tilt > TILTED {
+        notes.push(format!(
+            "the points vary across their {} by {} of their length: errors of the other axes, and squareness to them, enter with \
+             this share",
+            found.shape(),
+            significant(found.tilt, 2)
+        ));
+    }
+    if let Some(letter) = found.unused.map(|axis| LINEAR[axis].letter()) {
+        let v = v.to_ascii_lowercase();
+        notes.push(format!(
+            "E{letter}{u}: deviations along {letter} were measured too and are not evaluated; a record with actual_{v}_mm as \
+             commanded shows them"
+        ));
+    }
+    notes.extend(not_determined(found).into_iter().map(|of| format!("not determined: {of}")));
     notes.push(format!(
-        "left alone, as points in this plane do not show them: {}; values of them that a machine states are subtracted first",
+        "left alone, as these points do not show them: {}; values of them that a machine states are subtracted first",
         left_alone(found).join(" ")
     ));
     match &found.errors {

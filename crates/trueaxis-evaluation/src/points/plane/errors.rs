@@ -90,7 +90,9 @@ fn tables(fitted: &Fitted, nodes_mm: [Vec<f64>; 2], reference: [f64; 2]) -> (Pla
             .collect();
         let mean = nodes_mm[k].iter().sum::<f64>() / nodes_mm[k].len() as f64;
         let squares: f64 = nodes_mm[k].iter().map(|node| (node - mean).powi(2)).sum();
-        let slope = combine(nodes_mm[k].iter().map(|node| (node - mean) / squares).zip(&terms));
+        // The one node across a line has no slope.
+        let share = |node: &f64| if squares > 0.0 { (node - mean) / squares } else { 0.0 };
+        let slope = combine(nodes_mm[k].iter().map(share).zip(&terms));
         (terms, slope)
     });
     let (mut errors, mut standard_errors) = ([0, 1].map(|_| [vec![], vec![]]), [0, 1].map(|_| [vec![], vec![]]));

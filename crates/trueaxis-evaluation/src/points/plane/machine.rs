@@ -1,7 +1,7 @@
 //! The rest of a machine, and the machine with the errors.
 
 use super::model::PlanePoint;
-use super::{LINEAR, PlaneErrors};
+use super::{LINEAR, Lie, PlaneErrors};
 use crate::points::Points;
 use crate::points::found::{place, range, rounded, with_tool};
 use crate::response::own_tip_errors;
@@ -10,6 +10,9 @@ use trueaxis::machine::{LocationErrors, Row, Twist};
 use trueaxis_metrology::volumetric::hats;
 use trueaxis_tables::limits::raise;
 use trueaxis_tables::{Grid, GridSource, Machine, Table};
+
+/// Distance beyond the travel that counts as rounding, mm.
+const REACH_MM: f64 = 1e-3;
 
 /// The squareness between two axes, and its sign: dx = −C0Y·y + B0Z·z, dy = −A0Z·z.
 pub(super) const fn squareness(axes: [usize; 2]) -> (&'static str, f64) {
@@ -20,6 +23,11 @@ pub(super) const fn squareness(axes: [usize; 2]) -> (&'static str, f64) {
     }
 }
 
+/// An angle in the steps in which files store it.
+pub(super) fn rounded_urad(rad: f64) -> f64 {
+    rounded(rad, 1e6)
+}
+
 fn set_squareness(location: &mut LocationErrors, axes: [usize; 2], value: f64) {
     match axes {
         [0, 1] => location.c0y = value,
@@ -28,18 +36,21 @@ fn set_squareness(location: &mut LocationErrors, axes: [usize; 2], value: f64) {
     }
 }
 
-/// The machine without what the points show: translations in their plane of the two axes' tables, the squareness between them,
-/// grids of these translations over these axes, and play.
-fn rest(machine: &Machine, axes: [usize; 2]) -> Machine {
+/// The machine without what the points show and without play. In a plane: translations in it of the two axes' tables, the squareness
+/// between them, grids of these translations over these axes. On a line: these translations of its axis. An inclined plane shows
+/// what is beyond all that the machine states.
+fn rest(machine: &Machine, lie: Lie) -> Machine {
+    let axes = lie.axes();
     let mut rest = machine.clone();
     rest.settings.compensation.orientation = false;
-    set_squareness(&mut rest.settings.location, axes, 0.0);
-    rest.grids.retain(|grid| !replaces(grid, axes));
+    if let Lie::Plane(_) = lie {
+        set_squareness(&mut rest.settings.location, axes, 0.0);
+        rest.grids.retain(|grid| !replaces(grid, axes));
+    }
     for (own, table) in rest.settings.axes.iter_mut().zip(&mut rest.tables) {
         own.backlash = 0.0;
-        let Some(table) = table.as_mut().filter(|_| axes.map(|axis| LINEAR[axis]).contains(&own.axis)) else {
-            continue;
-        };
+        let shown = !matches!(lie, Lie::Inclined(..)) && lie.free().iter().any(|axis| LINEAR[*axis] == own.axis);
+        let Some(table) = table.as_mut().filter(|_| shown) else { continue };
         for axis in axes {
             table.given[axis] = false;
             table.rows.iter_mut().for_each(|row| (row.forward[axis], row.reverse[axis]) = (0.0, 0.0));
@@ -55,53 +66,66 @@ fn replaces(grid: &Grid, axes: [usize; 2]) -> bool {
         && (0..6).all(|component| !source.given[component] || axes.contains(&component))
 }
 
-/// Deviations along the free axes without the tip errors of the rest of the machine.
-pub(super) fn without_rest(points: &Points, machine: Option<&Machine>, axes: [usize; 2]) -> Result<Vec<PlanePoint>> {
+/// Refuses points that the machine cannot reach: another machine's, or in other units.
+fn within_travel(points: &Points, machine: &Machine) -> Result<()> {
+    for point in &points.points {
+        for (axis, command) in LINEAR.into_iter().zip(point.command_mm) {
+            let Some([low, high]) = machine.settings.axis(axis).map(|own| own.travel) else { continue };
+            if !(low - REACH_MM..=high + REACH_MM).contains(&command) {
+                bail!(
+                    "line {}: column {}_mm: found {command}, beyond the travel of {}, needed {low} to {high} mm",
+                    point.line,
+                    axis.letter().to_ascii_lowercase(),
+                    machine.settings.name
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Deviations in the plane without the tip errors of the rest of the machine.
+pub(super) fn without_rest(points: &Points, machine: Option<&Machine>, lie: Lie) -> Result<Vec<PlanePoint>> {
     let mut errors = vec![[0.0; 3]; points.points.len()];
     if let Some(machine) = machine {
-        for axis in axes.map(|axis| LINEAR[axis]) {
+        for axis in lie.free().iter().map(|axis| LINEAR[*axis]) {
             if machine.settings.axis(axis).is_none() {
                 bail!("{}: found no axis {}, along which the points vary", machine.settings.name, axis.letter());
             }
         }
-        let rest = with_tool(&rest(machine, axes), points.tools_mm.first().copied().flatten());
+        within_travel(points, machine)?;
+        let rest = with_tool(&rest(machine, lie), points.tools_mm.first().copied().flatten());
         let places: Vec<_> = points.points.iter().map(|point| place(point.command_mm)).collect();
         (errors, _) = own_tip_errors(&rest, &places)?;
     }
-    Ok(points
-        .points
-        .iter()
-        .zip(errors)
-        .map(|(point, error)| PlanePoint {
-            line: point.line,
-            at: axes.map(|axis| point.command_mm[axis]),
-            off: axes.map(|axis| point.deviation_mm[axis] - error[axis]),
-            weight: point.sigma_mm.recip(),
-        })
-        .collect())
+    Ok(lie.readings(points, &errors))
 }
 
 /// The machine, whose own errors of the same kind are replaced by these, and remarks; `None` without errors.
 pub(super) fn filled(
     machine: &Machine,
-    axes: [usize; 2],
+    lie: Lie,
     errors: &PlaneErrors,
     points: &Points,
 ) -> Result<(Option<Machine>, Vec<String>)> {
     if *errors == PlaneErrors::None {
         return Ok((None, Vec::new()));
     }
+    let axes = lie.axes();
+    let in_plane = matches!(lie, Lie::Plane(_));
     let mut filled = machine.clone();
     let before = filled.grids.len();
-    filled.grids.retain(|grid| !replaces(grid, axes));
+    filled.grids.retain(|grid| !in_plane || !replaces(grid, axes));
     let mut changes = Vec::new();
     if filled.grids.len() < before {
         changes.push("the machine's grid of these errors is replaced".into());
     }
     let (name, sign) = squareness(axes);
     let shear = if let PlaneErrors::Tables(tables) = errors { tables.shear[0] } else { 0.0 };
-    set_squareness(&mut filled.settings.location, axes, rounded(sign * shear, 1e6));
-    for (k, axis) in axes.into_iter().enumerate() {
+    if in_plane {
+        set_squareness(&mut filled.settings.location, axes, rounded_urad(sign * shear));
+    }
+    for (k, axis) in lie.free().iter().copied().enumerate() {
         let Some(slot) = filled.settings.axes.iter().position(|own| own.axis == LINEAR[axis]) else { continue };
         let table = filled.tables[slot].take();
         filled.tables[slot] = match errors {

@@ -23,7 +23,8 @@ pub(super) enum Model {
     Rigid,
     /// A polynomial of this total degree for each direction; degree 1 is affine.
     Map(usize),
-    /// A function of u and one of v for each direction, linear between these nodes: four tables.
+    /// A function of u and one of v for each direction, linear between these nodes: four tables. On a line along u, where v has one
+    /// node, two tables.
     Tables([Vec<f64>; 2]),
 }
 
@@ -33,6 +34,8 @@ impl Model {
             Model::Rigid => "placement alone".into(),
             Model::Map(1) => "affine".into(),
             Model::Map(degree) => format!("map of degree {degree}"),
+            Model::Tables([u, v]) if v.len() == 1 && u.len() == 2 => "scale".into(),
+            Model::Tables([u, v]) if v.len() == 1 => format!("tables of {} nodes", u.len()),
             Model::Tables([u, v]) => format!("tables of {} and {} nodes", u.len(), v.len()),
         }
     }
@@ -59,7 +62,7 @@ impl Model {
             }
             Model::Tables(nodes) => {
                 let mut terms = vec![0.0; nodes[0].len() + nodes[1].len()];
-                for (k, start) in [(0, 0), (1, nodes[0].len())] {
+                for (k, start) in [(0, 0), (1, nodes[0].len())].into_iter().filter(|(k, _)| nodes[*k].len() > 1) {
                     for (node, share) in hats(&nodes[k], at[k]) {
                         terms[start + node] += share;
                     }
@@ -140,6 +143,24 @@ impl Fitted {
         };
         let terms = self.model.terms(held, self.ends);
         [0, 1].map(|k| product(&terms, &self.values[k]))
+    }
+
+    /// A combination of the two strains and the shear of an affine model, and its standard error.
+    pub(super) fn strain(&self, [along_u, along_v, shear]: [f64; 3]) -> [f64; 2] {
+        let gradient = |k: usize| -> Vec<f64> {
+            let [low, high] = self.ends[k];
+            let mut at = self.ends.map(|[low, _]| low);
+            let from = self.model.terms(at, self.ends);
+            at[k] = high;
+            let to = self.model.terms(at, self.ends);
+            to.iter().zip(from).map(|(to, from)| (to - from) / (high - low)).collect()
+        };
+        let [over_u, over_v] = [0, 1].map(gradient);
+        let sum =
+            |one: f64, other: f64| over_u.iter().zip(&over_v).map(|(u, v)| one * u + other * v).collect::<Vec<_>>();
+        let [[u, error_u], [v, error_v]] =
+            [self.combined(0, &sum(along_u, shear)), self.combined(1, &sum(shear, along_v))];
+        [u + v, error_u.hypot(error_v)]
     }
 
     /// Value of a combination of a direction's unknowns, mm, and its standard error.

@@ -1,5 +1,6 @@
 //! Comparison of the models by their predictions of held-out points.
 
+use super::Lie;
 use super::model::{Fitted, Model, PlanePoint, fit};
 use trueaxis_metrology::order::ascending;
 use trueaxis_metrology::uncertainty::Draws;
@@ -78,7 +79,7 @@ pub(super) fn candidate(model: &Model, ends: [[f64; 2]; 2], points: &[PlanePoint
 }
 
 /// All models that the points may determine; `nodes`: numbers of nodes of the tables, instead of those that are tried.
-fn models(points: &[PlanePoint], ends: [[f64; 2]; 2], nodes: Option<[usize; 2]>) -> Vec<Model> {
+fn models(points: &[PlanePoint], ends: [[f64; 2]; 2], lie: Lie, nodes: Option<[usize; 2]>) -> Vec<Model> {
     let even = |counts: [usize; 2]| {
         [0, 1].map(|k| {
             let ([low, high], cells) = (ends[k], (counts[k] - 1) as f64);
@@ -91,13 +92,26 @@ fn models(points: &[PlanePoint], ends: [[f64; 2]; 2], nodes: Option<[usize; 2]>)
         levels.dedup_by(|next, kept| *next - *kept < 1e-6 * (ends[k][1] - ends[k][0]));
         levels
     });
-    let mut models: Vec<Model> = [Model::Rigid].into_iter().chain((1..=MOST_DEGREE).map(Model::Map)).collect();
+    let mut models = vec![Model::Rigid];
+    match lie {
+        Lie::Plane(_) => models.extend((1..=MOST_DEGREE).map(Model::Map)),
+        Lie::Line(_) => models.push(Model::Tables(even([2; 2]))),
+        // Tables and maps belong to axes.
+        Lie::Inclined(..) => return vec![Model::Rigid, Model::Map(1)],
+    }
     match nodes {
         Some(counts) => models.push(Model::Tables(even(counts))),
         None => {
             models.extend(NODES.map(|count| Model::Tables(even([count; 2]))));
             if levels.iter().all(|levels| levels.len() <= MOST_LEVELS) {
                 models.push(Model::Tables(levels));
+            }
+        }
+    }
+    if let Lie::Line(_) = lie {
+        for model in &mut models {
+            if let Model::Tables([_, across]) = model {
+                across.truncate(1);
             }
         }
     }
@@ -114,11 +128,12 @@ fn models(points: &[PlanePoint], ends: [[f64; 2]; 2], nodes: Option<[usize; 2]>)
 pub(super) fn select(
     points: &[PlanePoint],
     ends: [[f64; 2]; 2],
+    lie: Lie,
     nodes: Option<[usize; 2]>,
 ) -> (Vec<Candidate>, Option<usize>) {
     let parts = parts(points);
     let all: Vec<Candidate> =
-        models(points, ends, nodes).iter().map(|model| candidate(model, ends, points, &parts)).collect();
+        models(points, ends, lie, nodes).iter().map(|model| candidate(model, ends, points, &parts)).collect();
     let squares: Vec<Option<Vec<f64>>> =
         all.iter().map(|of| Some(of.held_out.as_ref()?.iter().copied().map(square).collect())).collect();
     let mean = |of: &[f64]| mean_square(points, of.iter().copied());

@@ -1,6 +1,6 @@
 //! Tables and plots of points in a plane.
 
-use super::{PlaneDocument, PlaneErrors, PlaneFit};
+use super::{Lie, PlaneDocument, PlaneErrors, PlaneFit};
 use crate::points::Left;
 use crate::points::shown::{cells, over};
 use crate::shown::{Cell, Curve, EXPANDED, Look, Plot, Shown, Table, Uncertainty, half_width, unit};
@@ -10,7 +10,6 @@ use trueaxis_report::number::significant;
 impl PlaneDocument {
     /// Tables and plots of the points and the errors found.
     pub fn shown(&self, found: &PlaneFit) -> Shown {
-        let [u, v] = self.plane;
         let models = self.models.iter().map(|of| {
             let chosen = if of.model == self.model { "chosen" } else { "" };
             let numbers = [Cell::count(of.unknowns), Cell::count(of.rank), Cell::number(of.held_out_um, 3)];
@@ -56,9 +55,9 @@ impl PlaneDocument {
         });
         let transfer_header = ["RMS, µm", "aligned", "with these terms", "own terms, held out", "p"];
         Shown {
-            title: "Measured points in a plane".into(),
+            title: format!("Measured points {}", if self.shape == "line" { "on a line" } else { "in a plane" }),
             summary: vec![
-                format!("{} points over {u} and {v}", self.points),
+                self.points_sentence(found),
                 self.model.clone(),
                 format!("rank {} of {}", self.rank, self.unknowns),
             ],
@@ -72,7 +71,7 @@ impl PlaneDocument {
                 Table::figures("Fit", figures.iter().map(|(name, cell)| (name.as_str(), cell.clone()))),
             ],
             plots: plots(self, found),
-            map: (found.axes == [0, 1]).then(|| {
+            map: (found.lie == Lie::Plane([0, 1])).then(|| {
                 let left = found.left_of(found.chosen);
                 let at = found.points.iter().zip(left).map(|(point, [u, v])| (point.at, u.hypot(v)));
                 cells(&at.collect::<Vec<_>>())
@@ -96,8 +95,9 @@ impl PlaneDocument {
 fn plots(document: &PlaneDocument, found: &PlaneFit) -> Vec<Plot> {
     let letters = found.letters();
     let left = found.left_of(found.chosen);
+    let seen = found.lie.free().len();
     let mut plots = Vec::new();
-    for (k, letter) in letters.iter().enumerate() {
+    for (k, letter) in letters.iter().enumerate().take(seen) {
         let places: Vec<f64> = found.points.iter().map(|point| point.at[k]).collect();
         plots.push(over(letter, &places, |order| {
             let um = |c: usize| order.iter().map(|i| 1e3 * left[*i][c]).collect();
@@ -106,7 +106,10 @@ fn plots(document: &PlaneDocument, found: &PlaneFit) -> Vec<Plot> {
         }));
     }
     let PlaneErrors::Tables(tables) = &found.errors else { return plots };
-    for (k, letter) in letters.iter().enumerate() {
+    if let Lie::Inclined(..) = found.lie {
+        return plots;
+    }
+    for (k, letter) in letters.iter().enumerate().take(seen) {
         let curve = |(c, of): (usize, &char)| {
             let um = |values: &[f64]| values.iter().map(|mm| 1e3 * mm).collect::<Vec<f64>>();
             let freedom = document.degrees_of_freedom as f64;
