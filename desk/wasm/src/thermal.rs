@@ -9,6 +9,7 @@ use trueaxis::tcomp::machine_id;
 use trueaxis_evaluation::rows::Rows;
 use trueaxis_evaluation::shown::Shown;
 use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, model, settings, written};
+use trueaxis_sim::warming::{POINTS, Recording as SimulatedRecording, csv};
 use wasm_bindgen::prelude::*;
 
 /// Inputs in addition to the record.
@@ -40,6 +41,12 @@ fn fit(files: &str, name: &str, text: &str, request: &str) -> Result<String> {
     let found = FittedRecording::of(Recording::read(rows, &request.without)?, &settings, &mut |_| {})?;
     let document = found.document();
     json(&Fitted { shown: document.shown(&found), toml: written(&found), notes })
+}
+
+/// The record that `trueaxis thermal simulate --shifts 4` writes.
+#[wasm_bindgen]
+pub fn thermal_sample() -> String {
+    csv(&SimulatedRecording { seed: 1, shifts: 4, noise_um: 0.5, points: POINTS.to_vec() }.record())
 }
 
 /// Fits a recorded warm-up on the machine of these files: `shown`, `toml`, `notes`. `request`: `hold_out`,

@@ -3,7 +3,7 @@
 use super::{Conditions, Stream, dial, truth_of};
 use crate::calibrate::{Dialect, Plan, Task, perfect, program};
 use crate::keep::{KeepTask, plan};
-use crate::simulated::calibration::artefacts::{SetUp, placed, tools_mm};
+use crate::simulated::artefacts::{SetUp, placed, tools_mm};
 use anyhow::{Context, Result};
 use trueaxis_sim::calibration::{Artefact, Drift, Host, Probing, execute};
 use trueaxis_tables::Machine;
