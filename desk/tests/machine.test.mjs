@@ -160,44 +160,6 @@ test("separators of a dropped table are reported", async () => {
   await close();
 });
 
-/** Files of other controls as `trueaxis tables import` reads them: name, text, format. */
-const HEIGHTS = "RepRapFirmware height map file v2 generated at 2021-01-01 00:00, min error -0.050, max error 0.060, mean 0.01, deviation 0.03\naxis0,axis1,min0,max0,min1,max1,radius,spacing0,spacing1,num0,num1\nX,Y,-300.00,300.00,-200.00,200.00,-1.00,300.00,200.00,3,3\n 0.010,0.020,0.030\n 0.000,-0.050,0.060\n 0,0.010,0.020\n";
-const MARLIN = "Recv: Bilinear Leveling Grid:\nRecv:       0      1      2\nRecv:  0 +0.050 +0.040 +0.030\nRecv:  1 +0.045 -0.010 +0.020\nRecv: ok\n";
-const MESH = "#*# [bed_mesh default]\n#*# version = 1\n#*# points =\n#*#  0.01, 0.02, 0.03\n#*#  0.02, 0.03, 0.04\n#*#  0.02, 0.03, 0.01\n#*# x_count = 3\n#*# y_count = 3\n#*# mesh_x_pps = 2\n#*# mesh_y_pps = 2\n#*# algo = lagrange\n#*# tension = 0.2\n#*# min_x = -300\n#*# max_x = 300\n#*# min_y = -200\n#*# max_y = 200\n";
-const COLUMNS = "X (mm),Forward (um),Reverse (um)\n-300,1.5,2\n0,0,0.5\n300,-1,-0.5\n";
-const LASER = "HEADER::\nFile type : rtl\nUSER-TEXT::\nAxis : X\n";
-
-test("files of other controls join the machine as tables import adds them, and are refused in its words", async () => {
-  const { page, close } = await openDesk();
-  const panel = await panelOf(page);
-  for (const [name, text, format] of [["heightmap.csv", HEIGHTS, "heightmap"], ["printer.cfg", MESH, "bed-mesh"], ["readings.csv", COLUMNS, "columns"]]) {
-    await panel.getByLabel("Sample machine").selectOption("");
-    await panel.getByLabel("Sample machine").selectOption("mill-3axis");
-    await until(page, (files) => files["x.csv"] === sample("mill-3axis")["x.csv"].toString() && Object.keys(files).length === 5, "the sample");
-    const place = folder({ [name]: text });
-    fs.cpSync(path.join(samples, "mill-3axis"), path.join(place, "mill"), { recursive: true });
-    const said = await run("trueaxis", ["tables", "import", "--from", format, name, "-o", "mill"], { cwd: place });
-    assert.equal(said.code, 0, said.stderr);
-    await drop(panel, { [name]: text });
-    const wanted = Object.fromEntries(fs.readdirSync(path.join(place, "mill")).map((own) => [own, fs.readFileSync(path.join(place, "mill", own), "utf8")]));
-    await until(page, (files) => JSON.stringify(files) === JSON.stringify(Object.fromEntries(Object.keys(files).map((own) => [own, wanted[own]]))) && Object.keys(files).length === Object.keys(wanted).length && files["machine.toml"] !== undefined && (files["machine.toml"] !== sample("mill-3axis")["machine.toml"].toString() || files["x.csv"] !== sample("mill-3axis")["x.csv"].toString()), `${name} as imported`);
-    // Its notes, without the command line's "note: FILE: ".
-    for (const note of said.stderr.split("\n").filter((line) => line.startsWith(`note: ${name}: `))) await panel.getByText(note.replace("note: ", "")).first().waitFor();
-    assert.equal(await page.evaluate(() => globalThis.trueaxisDesk.machine.name), "mill-3axis");
-  }
-  const before = await files(page);
-  for (const [name, text, format] of [["m420.log", MARLIN, "marlin"], ["laser.rtl", LASER, "rtl"], ["broken.csv", HEIGHTS.replace("0.060\n", "0.060,1\n"), "heightmap"], ["twice.csv", COLUMNS.replace("0,0,", "300,0,"), "columns"]]) {
-    const refused = await run("trueaxis", ["tables", "import", "--from", format, name, "-o", "none"], { cwd: folder({ [name]: text }) });
-    assert.equal(refused.code, 2, name);
-    await drop(panel, { [name]: text });
-    const alert = page.getByRole("alert").filter({ hasText: name });
-    await alert.waitFor();
-    assert.equal(await alert.locator("span").textContent(), refused.stderr.trim().split("\n").at(-1).replace(/^error: /, ""));
-    assert.deepEqual(await files(page), before);
-  }
-  await close();
-});
-
 test("a point is dragged and typed, undone, and the saved files compile to the same bytes", async () => {
   const { page, close } = await openDesk();
   const panel = await panelOf(page);

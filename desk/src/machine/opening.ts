@@ -58,7 +58,7 @@ export async function opening(root: HTMLElement, desk: Desk, editor: Editor): Pr
     { class: "row" },
     sample.root,
     picker("Open a folder…", { folder: true, several: true }, taking, desk.fail),
-    picker("Open files or a .tcomp…", { several: true, accept: ".toml,.csv,.tcomp,.rtl,.cfg,.log,.txt" }, taking, desk.fail),
+    picker("Open files or a .tcomp…", { several: true, accept: ".toml,.csv,.tcomp" }, taking, desk.fail),
     el("span", { class: "said" }, "or drop them here"),
     described,
     notes,

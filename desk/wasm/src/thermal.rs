@@ -43,10 +43,10 @@ fn fit(files: &str, name: &str, text: &str, request: &str) -> Result<String> {
     json(&Fitted { shown: document.shown(&found), toml: written(&found), notes })
 }
 
-/// The record that `trueaxis thermal simulate --shifts 4` writes.
+/// The record that `trueaxis thermal simulate` writes.
 #[wasm_bindgen]
 pub fn thermal_sample() -> String {
-    csv(&SimulatedRecording { seed: 1, shifts: 4, noise_um: 0.5, points: POINTS.to_vec() }.record())
+    csv(&SimulatedRecording { seed: 1, shifts: 5, noise_um: 0.5, points: POINTS.to_vec() }.record())
 }
 
 /// Fits a recorded warm-up on the machine of these files: `shown`, `toml`, `notes`. `request`: `hold_out`,

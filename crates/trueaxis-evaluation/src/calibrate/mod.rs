@@ -54,7 +54,7 @@ pub use observed::{Observed, observe, observe_terms};
 pub use place::Place;
 pub use plan::{Plan, Planned, Step, Visit};
 pub use program::program;
-#[cfg(feature = "simulation")]
+#[cfg(feature = "simulated")]
 pub(crate) use sheet::{reading, sheet};
 pub use solve::{Calibration, calibrate, settle, solved};
 pub use task::{Dialect, Probe, Reference, Task, Wanted};
