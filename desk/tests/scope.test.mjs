@@ -191,7 +191,7 @@ test("a program runs with the files of its subprograms that are dropped with it"
 
   // Alone it is refused with the name of the file that is missing; two programs without a main one too.
   await drop(panel, { "part.ngc": main });
-  await page.getByRole("alert").filter({ hasText: "part.ngc:3: found `o<side> call [20]` without its subprogram, needed `o<side> sub` in the program, or a file side.ngc with it beside the program" }).waitFor();
+  await page.getByRole("alert").filter({ hasText: "part.ngc:3: found `O<side> call` without its subprogram; needed: `O<side> sub` in the program, or a file side.ngc with it beside the program" }).waitFor();
   await drop(panel, { "one.ngc": TINY, "other.ngc": TINY });
   await page.getByRole("alert").filter({ hasText: "found 2 programs, one.ngc and other.ngc called by no other one; needed one with the files of its subprograms" }).waitFor();
   await close();

@@ -104,7 +104,7 @@ test("the sample is the record of trueaxis thermal simulate", async () => {
   const { page, panel, close } = await opened();
   await panel.getByText(/^warm-up\.csv: /).waitFor();
   const sample = await page.evaluate(() => globalThis.trueaxisDesk.bench.call("thermal_sample"));
-  const { code, stdout } = await run("trueaxis", ["thermal", "simulate"]);
+  const { code, stdout } = await run("trueaxis", ["thermal", "simulate", "--at", "0,0,-200,60"]);
   assert.equal(code, 0);
   const [own, other] = [sample, stdout].map((text) => text.trim().split("\n").map((line) => line.split(",")));
   assert.deepEqual([own.length, own[0]], [other.length, other[0]]);

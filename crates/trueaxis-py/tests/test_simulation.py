@@ -124,7 +124,7 @@ def test_a_program_by_its_path_finds_its_subprograms_beside_it(tmp_path):
     assert program.moves == 2
     assert trueaxis.simulate(mill(), program, rate_hz=1000.0) == printed("--machine", TABLES / "mill-3axis", "--program", tmp_path / "part.ngc", "--rate-hz", 1000)
     # A text has no folder.
-    assert "`o<side> call [5]` without its subprogram" in refused(lambda: trueaxis.Program.from_text(text, name="part"))
+    assert "`O<side> call` without its subprogram" in refused(lambda: trueaxis.Program.from_text(text, name="part"))
 
 
 def test_seeds_differ_and_machines_may_be_chosen():

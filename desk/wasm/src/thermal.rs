@@ -9,7 +9,7 @@ use trueaxis::tcomp::machine_id;
 use trueaxis_evaluation::rows::Rows;
 use trueaxis_evaluation::shown::Shown;
 use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, model, settings, written};
-use trueaxis_sim::warming::{POINTS, Recording as SimulatedRecording, csv};
+use trueaxis_sim::warming::{Recording as Recorded, csv};
 use wasm_bindgen::prelude::*;
 
 /// Inputs in addition to the record.
@@ -43,10 +43,11 @@ fn fit(files: &str, name: &str, text: &str, request: &str) -> Result<String> {
     json(&Fitted { shown: document.shown(&found), toml: written(&found), notes })
 }
 
-/// The record that `trueaxis thermal simulate` writes.
+/// The record that `trueaxis thermal simulate --at 0,0,-200,60` writes.
 #[wasm_bindgen]
 pub fn thermal_sample() -> String {
-    csv(&SimulatedRecording { seed: 1, shifts: 5, noise_um: 0.5, points: POINTS.to_vec() }.record())
+    // At one point: the fit of a record at four takes seconds.
+    csv(&Recorded { seed: 1, shifts: 5, noise_um: 0.5, points: vec![[0.0, 0.0, -200.0, 60.0]] }.record())
 }
 
 /// Fits a recorded warm-up on the machine of these files: `shown`, `toml`, `notes`. `request`: `hold_out`,
