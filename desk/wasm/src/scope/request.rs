@@ -20,7 +20,9 @@ pub(super) const SCENARIO_FILE: &str = "scenario.toml";
 #[derive(Clone, Deserialize)]
 #[serde(untagged, deny_unknown_fields)]
 pub(super) enum ProgramText {
-    Builtin { builtin: String },
+    Builtin {
+        builtin: String,
+    },
     File {
         name: String,
         text: String,
