@@ -68,7 +68,7 @@ fn keep(files: &str, name: &str, task: &str, seed: u32, moved: bool) -> Result<S
     rehearsed(rehearsal::keep(&state.task, known, &truth, &conditions)?, known, &truth)
 }
 
-/// The log that `trueaxis keep simulate --seed` writes: of a machine that has `moved` within its uncertainties, or of the one
+/// The log that `trueaxis keep simulate --seed` writes, of a machine that has `moved` within its uncertainties or of the one
 /// that its files state. The balls stay where they are. Returns `log`, `truth`.
 #[wasm_bindgen]
 pub fn keep_rehearse(files: &str, name: &str, task: &str, seed: u32, moved: bool) -> Result<String, Refusal> {
