@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the sample records beside this file: one for each command of `trueaxis` that reads a measurement.
+"""Writes those sample records beside this file that no command simulates.
 
 Plain Python, no packages. Every run writes the same bytes: closed formulas, scatter from `random.Random(SEED).random()`,
 whose sequence Python guarantees, and rounded values. Errors are actual - ideal.
@@ -75,19 +75,6 @@ def contour():
     write("actual.csv", "Measured positions along path.json.", "segment,u,x_mm,y_mm,z_mm", rows, 5)
 
 
-def ballbar():
-    """A bar of 100 mm: C0Y 50 urad, lost motion of 5 um in X, the pivot 20 um off centre."""
-    source, rows = random.Random(SEED), []
-    for direction in (1, -1):
-        for k in range(180):
-            sin, cos = turn(2 * k + 1)
-            x, y = 100 * cos, 100 * sin
-            x += -50e-6 * y + 0.0025 * math.copysign(1, direction * sin) + 0.02
-            deviation = 1e3 * (math.hypot(x, y) - 100) + noise(source, 0.2)
-            rows.append([str(2 * k + 1), deviation, str(direction)])
-    write("ballbar.csv", "Circles of a ballbar, radius 100 mm.", "angle_deg,deviation_um,direction", rows)
-
-
 def ball_of_c():
     """Six errors of a head's axis C, read at a ball in three set-ups."""
     source, rows = random.Random(SEED), []
@@ -105,36 +92,6 @@ def ball_of_c():
     write("ball-c.csv", "A ball under RTCP while C of a head turns.", "angle_deg,l_mm,h_mm,dx_um,dy_um,dz_um", rows)
 
 
-def step_diagonal():
-    """A diagonal test of a machine out of square by C0Y = 50 urad."""
-    source, rows = random.Random(SEED), []
-    signs = [(1, 1, 1), (-1, 1, 1), (1, -1, 1), (1, 1, -1)]
-    length = 100 * math.sqrt(14)
-    for diagonal, (sx, sy, sz) in enumerate(signs, 1):
-        for direction in (1, -1):
-            for step in range(6):
-                t = (step if direction > 0 else 5 - step) / 5
-                at = [300 * sx * t, 200 * sy * t, 100 * sz * t]
-                deviation = 1e3 * (-50e-6 * at[1]) * 300 * sx / length
-                rows.append([str(diagonal), str(direction)] + at + [deviation + noise(source, 0.3)])
-    header = "diagonal,direction,x_mm,y_mm,z_mm,deviation_um"
-    write("step-diagonal.csv", "Displacements along the body diagonals of a mill.", header, rows)
-
-
-def tracer():
-    """Points of compensation-tables/mill-3axis, whose axes are 30, -20 and 40 ppm too long and out of square."""
-    source, rows = random.Random(SEED), []
-    levels = range(5)
-    for i in levels:
-        for j in levels:
-            for k in levels:
-                x, y, z = -280 + 140 * i, -180 + 90 * j, -380 + 90 * k
-                actual = [x + 30e-6 * x - 45e-6 * y - 25e-6 * z, y - 20e-6 * y, z + 40e-6 * z]
-                rows.append([x, y, z] + [value + noise(source, 0.0005) for value in actual])
-    header = "x_mm,y_mm,z_mm,actual_x_mm,actual_y_mm,actual_z_mm"
-    write("tracer.csv", "Points that a tracer measured on a mill.", header, rows, 5)
-
-
 def r_test():
     """A ball on the table of trunnion/, whose centre line is 10 um off in X."""
     source, rows = random.Random(SEED), []
@@ -145,37 +102,10 @@ def r_test():
     write("r-test.csv", "An R-test of trunnion/.", header, rows, 6)
 
 
-def spindle():
-    """Two hours of a rotating spindle, a reading every two minutes."""
-    source, rows = random.Random(SEED), []
-    for k in range(61):
-        minute = 2 * k
-        warm = 1 - math.exp(-minute / 40)
-        drift = [6 * warm, 24 * warm, 8 * warm]
-        drift = [value + noise(source, 0.1) for value in drift]
-        rows.append([str(60 * minute)] + drift + [20 + 0.4 * minute / 120 + noise(source, 0.05)])
-    write("spindle.csv", "Drift while the spindle turns.", "t_s,x1_um,z_um,x2_um,ambient_c", rows)
-
-
-def ring():
-    """A ring of 50 mm, probed at 36 points with a tip of 6 mm."""
-    source, rows = random.Random(SEED), []
-    for k in range(36):
-        sin, cos = turn(10 * k)
-        radius = 22 + 0.001 * math.cos(math.radians(20 * k)) + noise(source, 0.0003)
-        rows.append([radius * cos, radius * sin])
-    write("ring.csv", "A calibrated ring probed at 36 points.", "x_mm,y_mm", rows, 5)
-
-
 if __name__ == "__main__":
     positions()
     axes()
     circle()
     contour()
-    ballbar()
     ball_of_c()
-    step_diagonal()
-    tracer()
     r_test()
-    spindle()
-    ring()

@@ -5,9 +5,8 @@ import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
 import { after, test } from "node:test";
-import { cli, closeBrowser, drop, expanded, numbers, openDesk, root, run, saved, shot, view } from "./harness.mjs";
+import { cli, closeBrowser, drop, expanded, numbers, openDesk, root, run, sameLog, saved, shot, view } from "./harness.mjs";
 
-// The log comes from crates/trueaxis-py/tests/probing.py.
 const probing = (name) => fs.readFileSync(path.join(root, "records/probing", name), "utf8");
 const [task, machine, log] = ["task.toml", "mill/machine.toml", "probe.log"].map(probing);
 
@@ -124,5 +123,45 @@ test("terms that cannot be separated are refused in the command line's words", a
   // The corrected task.
   await panel.getByRole("textbox").fill(task);
   await panel.getByText("mill: 81 touches").waitFor();
+  await close();
+});
+
+test("a rehearsal is the log of trueaxis calibrate simulate on a machine of drawn errors", async () => {
+  const { page, panel, close } = await opened();
+  await panel.getByText("touches, about").waitFor();
+  fs.cpSync(path.join(root, "compensation-tables/mill-3axis"), path.join(folder, "mill-3axis"), { recursive: true });
+  fs.writeFileSync(path.join(folder, "first.toml"), await panel.getByRole("textbox").inputValue());
+  const rehearse = panel.getByRole("button", { name: "Rehearse" });
+  assert.ok(await panel.getByRole("button", { name: "Save the log" }).isHidden());
+  const logs = [];
+  for (const seed of [1, 2]) {
+    await rehearse.click();
+    await panel.getByText(`rehearsed-${seed}.log: `).waitFor();
+    const { name, bytes } = await saved(page, panel.getByRole("button", { name: "Save the log" }));
+    assert.equal(name, `rehearsed-${seed}.log`);
+    logs.push(bytes.toString());
+    assert.equal(await panel.locator("code").nth(2).textContent(), `trueaxis calibrate simulate task.toml --seed ${seed} -o ${name}`);
+    const said = await run("trueaxis", ["calibrate", "simulate", "first.toml", "--seed", String(seed), "-o", name, "--save-true", `true-${seed}`], { cwd: folder });
+    assert.equal(said.code, 0, said.stderr);
+    sameLog(bytes.toString(), fs.readFileSync(path.join(folder, name), "utf8"));
+  }
+  assert.notEqual(logs[0], logs[1]);
+  assert.ok(await panel.getByText("Rehearsed, not your record").isVisible());
+  // What is true, and what the log shows of it.
+  const truth = await numbers(panel.getByRole("table", { name: "True errors of the rehearsal" }));
+  const text = fs.readFileSync(path.join(folder, "true-2/machine.toml"), "utf8");
+  for (const key of ["A0Z_urad", "B0Z_urad", "C0Y_urad"]) near(truth[`location.${key}`].true, Number(new RegExp(`^${key} = (.*)$`, "m").exec(text)[1]), key);
+  near(truth["location.C0Y_urad"]["in the files"], 38, "the files");
+  const found = await cli(["calibrate", "solve", "first.toml", "rehearsed-2.log", "--dry-run", "--json"], { cwd: folder });
+  const terms = await numbers(panel.getByRole("table", { name: "Terms" }));
+  for (const { name, value } of found.terms) assert.ok(Math.abs(terms[name].value - value) < 0.01, `${name}: found ${terms[name].value}, the command line has ${value}`);
+
+  // A log of one's own is no rehearsal, and a machine that states no uncertainties cannot be drawn about.
+  await drop(panel, { "task.toml": task, "machine.toml": machine, "probe.log": log });
+  await panel.getByText("probe.log: 81 touches on mill.").waitFor();
+  assert.ok(await panel.getByText("not your record").isHidden());
+  assert.ok(await panel.getByRole("table", { name: "True errors of the rehearsal" }).isHidden());
+  await rehearse.click();
+  await page.getByRole("alert").filter({ hasText: "machine.toml: found no uncertainty to draw the true errors from, needed [uncertainty.location]" }).waitFor();
   await close();
 });

@@ -145,6 +145,14 @@ export async function saved(page, locator) {
   return { name: download.suggestedFilename(), bytes: fs.readFileSync(await download.path()) };
 }
 
+/** Checks that two logs have the same touches: the browser's trigonometric functions may differ in their last bit. */
+export function sameLog(found, needed) {
+  const [own, other] = [found, needed].map((text) => text.trim().split("\n").map((line) => line.split(" ")));
+  assert.equal(own.length, other.length);
+  for (const [i, words] of own.entries())
+    for (const [k, word] of words.entries()) assert.ok(word === other[i][k] || Math.abs(Number(word) - Number(other[i][k])) < 1.5e-6, `line ${i + 1}: found ${words.join(" ")}, needed ${other[i].join(" ")}`);
+}
+
 /** Waits until a view has something to show and no longer changes, for 5 s at most: the scope runs on. A change is seen only by looking again. */
 export async function settled(panel) {
   await panel.locator("canvas:visible, svg:visible, tbody tr:visible").first().waitFor();

@@ -5,9 +5,8 @@ import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
 import { after, test } from "node:test";
-import { cli, closeBrowser, drop, expanded, numbers, openDesk, root, run, saved, shot, view } from "./harness.mjs";
+import { cli, closeBrowser, drop, expanded, numbers, openDesk, root, run, sameLog, saved, shot, view } from "./harness.mjs";
 
-// The logs come from crates/trueaxis-py/tests/probing.py.
 const probing = (name) => fs.readFileSync(path.join(root, "records/probing", name), "utf8");
 const [task, machine, begin, look] = ["keep.toml", "mill/machine.toml", "begin.log", "look.log"].map(probing);
 
@@ -188,5 +187,25 @@ test("a term out of its bounds needs a person, and bad re-probings are refused i
   await page.getByRole("alert").filter({ hasText: "changed by hand" }).waitFor();
   await panel.getByRole("checkbox", { name: "changed by hand" }).check();
   await panel.getByText("used as they are").waitFor();
+  await close();
+});
+
+test("a rehearsal is the log of trueaxis keep simulate: at first of the machine as it is, later of one that has moved", async () => {
+  const { page, panel, close } = await opened();
+  fs.cpSync(path.join(root, "compensation-tables/mill-3axis"), at("mill-3axis"), { recursive: true });
+  fs.writeFileSync(at("keep.toml"), await panel.getByRole("textbox", { name: "Machine, probe" }).inputValue());
+  for (const [seed, machine] of [[1, ["--machine", "mill-3axis"]], [2, []]]) {
+    await panel.getByRole("button", { name: "Rehearse" }).click();
+    const name = `rehearsed-${seed}.log`;
+    await panel.getByText(`${name}: `).waitFor();
+    const line = ["keep", "simulate", "keep.toml", ...machine, "--seed", String(seed), "-o", name];
+    assert.equal(await panel.locator("code").nth(2).textContent(), `trueaxis ${line.join(" ")}`);
+    assert.equal((await run("trueaxis", line, { cwd: folder })).code, 0);
+    sameLog((await saved(page, panel.getByRole("button", { name: "Save the log" }))).bytes.toString(), fs.readFileSync(at(name), "utf8"));
+    const truth = await numbers(panel.getByRole("table", { name: "True errors of the rehearsal" }));
+    assert.equal(truth["location.C0Y_urad"].true === truth["location.C0Y_urad"]["in the files"], seed === 1);
+    if (seed === 1) await panel.getByRole("button", { name: "Enter it in the history" }).click();
+    else await panel.getByRole("table", { name: "Verdicts" }).waitFor();
+  }
   await close();
 });

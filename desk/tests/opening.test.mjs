@@ -92,8 +92,8 @@ test("a reader who wants no motion gets a run that waits; its plots say what wil
 });
 
 const SENTENCES = {
-  Ballbar: /^Backlash X \(5\.\d+ ± 0\.\d+ µm\) is 50\.\d+ % of the deviation: correct it first\.$/,
-  Tests: /^Squareness C0Y is 49\.\d+ ± 0\.\d+ µrad, the clearest of 4\.$/,
+  Ballbar: /^Squareness \(49\.\d+ ± 0\.\d+ µrad\) is 33\.\d+ % of the deviation: correct it first\.$/,
+  Tests: /^Diagonal scale is 20\.\d+ ± 0\.\d+ ppm, the clearest of 4\.$/,
   Roundness: /^.+: \S+ µm\.$/,
   "Thermal growth": /^In cycles that the model did not see it leaves at most \S+ of \S+ µm of drift/,
   Uncertainty: /^The tip is known to \S+ µm at the worst point; .+ is \S+ % of the squared uncertainty: measure it better first\.$/,

@@ -204,5 +204,14 @@ file = "own.toml"
   await drop(panel, { "back.ngc": rear });
   await shows(panel, "rear, size", (await predict()).features[1]);
   await advised();
+
+  // A bore by a subprogram in a file that is dropped with its program.
+  const called = written({
+    "part.toml": PART,
+    "ring.ngc": "G21 G90 G17 F1000\nG0 X15 Y0 Z0\no<around> call [15]\nM2\n",
+    "around.ngc": "o<around> sub\nG3 X#1 Y0 I[0-#1] J0\no<around> endsub\n",
+  });
+  await drop(panel, called);
+  await shows(panel, "bore, size", (await predict()).features[0]);
   await close();
 });

@@ -169,6 +169,34 @@ test("a drive by name and its play give the command line's figures, and a readin
   await close();
 });
 
+test("a program runs with the files of its subprograms that are dropped with it", async () => {
+  const { page, panel, close } = await open();
+  const main = "G21 G90 G94 G17 F2400\nG1 Z0\no<side> call [20]\no<side> call [-5]\nM98 P100\nM2\n";
+  const files = { "side.ngc": "o<side> sub\nG1 X#1\nY#1\nX0 Y0\no<side> endsub\n", "part.ngc": main, "100.ngc": "O100\nG1 Z2\nM99\n" };
+  await drop(panel, files);
+  await panel.getByRole("option", { name: "o<side> call [20]" }).waitFor();
+  assert.equal(await panel.getByLabel("Program", { exact: true }).locator("option:checked").textContent(), "part.ngc");
+  await state(panel, "ready");
+  await toTheEnd(panel);
+  same(await figures(panel), await reproduced(page, panel));
+
+  // A link keeps them.
+  await page.getByRole("button", { name: "Link" }).click();
+  await page.waitForFunction(() => location.hash.startsWith("#open="));
+  const second = await open({ hash: new URL(page.url()).hash });
+  await state(second.panel, "ready");
+  await toTheEnd(second.panel);
+  assert.deepEqual(await figures(second.panel), await figures(panel));
+  await second.close();
+
+  // Alone it is refused with the name of the file that is missing; two programs without a main one too.
+  await drop(panel, { "part.ngc": main });
+  await page.getByRole("alert").filter({ hasText: "part.ngc:3: found `O<side> call` without its subprogram; needed: `O<side> sub` in the program, or a file side.ngc with it beside the program" }).waitFor();
+  await drop(panel, { "one.ngc": TINY, "other.ngc": TINY });
+  await page.getByRole("alert").filter({ hasText: "found 2 programs, one.ngc and other.ngc called by no other one; needed one with the files of its subprograms" }).waitFor();
+  await close();
+});
+
 test("bad files are refused as on the command line, and the run stays", async () => {
   const { page, panel, close } = await open();
   await program(panel, "tiny.ngc", TINY);

@@ -16,8 +16,8 @@ test("the page is one file within its size", () => {
   // The page exceeds its aim of 1,000,000: it contains the step's code for grids of errors twice, for three slots and for
   // six, and it gained calibration, growth, uncertainty, keeping, tests with instruments, drives with a second mass,
   // resonances found in records, programs with expressions and loops, covariances of every fit, plates without a
-  // certificate, points in a plane, the licences, and parts predicted before they are cut.
-  assert.ok(size <= 1_606_000, `found ${size} bytes gzipped, needed at most 1606000`);
+  // certificate, points in a plane, the licences, parts predicted before they are cut, and rehearsals of touches.
+  assert.ok(size <= 1_627_000, `found ${size} bytes gzipped, needed at most 1627000`);
   assert.doesNotMatch(page.toString("latin1"), /(?:src|href)=["']?https?:/);
 });
 

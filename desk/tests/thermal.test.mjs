@@ -99,3 +99,16 @@ test("a useless record is refused in the command line's words, and no earlier re
   await page.getByRole("alert").filter({ hasText: "found T7" }).waitFor();
   await close();
 });
+
+test("the sample is the record of trueaxis thermal simulate", async () => {
+  const { page, panel, close } = await opened();
+  await panel.getByText(/^warm-up\.csv: /).waitFor();
+  const sample = await page.evaluate(() => globalThis.trueaxisDesk.bench.call("thermal_sample"));
+  const { code, stdout } = await run("trueaxis", ["thermal", "simulate", "--at", "0,0,-200,60"]);
+  assert.equal(code, 0);
+  const [own, other] = [sample, stdout].map((text) => text.trim().split("\n").map((line) => line.split(",")));
+  assert.deepEqual([own.length, own[0]], [other.length, other[0]]);
+  // The browser's functions may differ in their last bit: by a step of what is written.
+  for (const [i, row] of own.entries()) for (const [k, field] of row.entries()) assert.ok(i === 0 || Math.abs(field - other[i][k]) < 0.0011, `line ${i + 1}: ${row} and ${other[i]}`);
+  await close();
+});

@@ -2,6 +2,7 @@
 //! its own standard errors.
 
 use serde_json::Value;
+use std::path::Path;
 use trueaxis_testing::command::Folder;
 
 const TRUEAXIS: &str = env!("CARGO_BIN_EXE_trueaxis");
@@ -386,4 +387,25 @@ fn a_spindle_drifts_more_than_the_hall() {
     assert!(etve > 0.5 && spindle > 2.0 * etve && axis > 0.5, "{etve} {spindle} {axis}");
     folder
         .bad(&["evaluate", "thermal", "simulate", "--hours", "9", "-o", "t2.csv"], &["--hours", "found 9", "0.5 to 8"]);
+}
+
+/// The commands in records/README.md, which the desk's samples come from.
+#[test]
+fn sample_records_are_what_the_commands_write() {
+    let records = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../records");
+    let folder = Folder::new(TRUEAXIS);
+    folder.copy(&records, "records");
+    let committed = folder.tree();
+    let shown = folder.read("records/README.md");
+    let commands = shown.lines().filter_map(|line| line.strip_prefix("    trueaxis "));
+    let mut written = 0;
+    for command in commands {
+        let words: Vec<&str> = command.split_whitespace().collect();
+        let [.., "-o", record] = words.as_slice() else { panic!("{command}") };
+        std::fs::remove_file(folder.join(record)).unwrap();
+        folder.good(&words);
+        assert_eq!(folder.read(record), String::from_utf8_lossy(&committed[Path::new(record)]), "{command}");
+        written += 1;
+    }
+    assert_eq!((written, folder.tree().len()), (8, committed.len()));
 }

@@ -1,8 +1,7 @@
 """Simulates a control with a probe, a ball and a ring: runs a LinuxCNC probing program and prints its log.
 
-`python3 probing.py PROGRAM.ngc > LOG` wrote records/probing/probe.log, with the program that `trueaxis calibrate plan` wrote
-for the task beside it. With three offsets, µm, as arguments, the machine has no other errors. begin.log (`0 0 0`) and look.log
-(`6 0 -9`) come from the program that `trueaxis keep plan` wrote for keep.toml.
+`python3 probing.py PROGRAM.ngc > LOG`, with the program that `trueaxis calibrate plan` writes for records/probing/task.toml.
+With three offsets, µm, as arguments, the machine has no other errors, and the program is that of `trueaxis keep plan`.
 """
 
 import random

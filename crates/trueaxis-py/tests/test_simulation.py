@@ -116,6 +116,17 @@ def test_programs_from_texts_and_files_are_the_same(tmp_path):
     assert document["noted"]
 
 
+def test_a_program_by_its_path_finds_its_subprograms_beside_it(tmp_path):
+    (tmp_path / "side.ngc").write_text("o<side> sub\nG1 X#1\no<side> endsub\n")
+    text = "G21 G90 F3000\no<side> call [5]\no<side> call [12]\nM2\n"
+    (tmp_path / "part.ngc").write_text(text)
+    program = trueaxis.Program.load(tmp_path / "part.ngc")
+    assert program.moves == 2
+    assert trueaxis.simulate(mill(), program, rate_hz=1000.0) == printed("--machine", TABLES / "mill-3axis", "--program", tmp_path / "part.ngc", "--rate-hz", 1000)
+    # A text has no folder.
+    assert "`O<side> call` without its subprogram" in refused(lambda: trueaxis.Program.from_text(text, name="part"))
+
+
 def test_seeds_differ_and_machines_may_be_chosen():
     machine, program = mill(), short()
     all_of_them = trueaxis.simulate(machine, program, rate_hz=1000.0)["digest"]

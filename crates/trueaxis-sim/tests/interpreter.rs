@@ -287,4 +287,14 @@ fn subprograms_come_from_the_folder() {
     assert!(error.needed.contains("a file empty.ngc with it in its folder"), "{error}");
     assert!(read("o<../square> call [1]").is_err());
     assert!(parse("o<square> call [1]").is_err());
+
+    // The same files as texts.
+    let texts = ["square.ngc", "bad.ngc", "empty.ngc"].map(|name| (name.to_owned(), folder.read(name)));
+    let options = ReadOptions { texts: Some(texts.into()), ..ReadOptions::default() };
+    let read = |text: &str| Program::read("p", text.as_bytes(), "part.ngc", &options);
+    assert_eq!(ends(&read("o<Square> call [2]").unwrap()), [[2.0, 0.0, 0.0], [2.0, 2.0, 0.0]]);
+    let error = read("G0 X1\no<bad> call").unwrap_err();
+    assert_eq!((error.file.as_str(), error.line), ("bad.ngc", 3));
+    let error = read("o<none> call").unwrap_err();
+    assert!(error.needed.ends_with("a file none.ngc with it beside the program"), "{error}");
 }

@@ -22,6 +22,12 @@ export interface Planned {
   notes: string[];
 }
 
+/** A rehearsed log, and the true errors of the machine that was drawn for it. */
+export interface Rehearsed {
+  log: string;
+  truth: Table;
+}
+
 export interface Found {
   shown: Shown;
   machine: string;

@@ -20,7 +20,7 @@ const WORDS = {
   hint: "or drop them: task.toml; machine.toml with its tables, unless it is the machine shown; the log of LinuxCNC, grblHAL, Klipper, or a CSV",
   accept: ".toml,.csv,.log,.txt",
   what: "Errors found by probing",
-  without: "Run the program; then open the control's log here, or try a sample: the log of another mill, with its task.",
+  without: "Run the program; then open the control's log here. Rehearse simulates it on a machine whose errors are drawn within the uncertainties of this one. Or try a sample: the log of another mill, with its task.",
   tried: [["Try a sample", { "task.toml": task, "machine.toml": machine, "probe.log": log }]],
 } as const;
 
@@ -53,6 +53,14 @@ export class Calibrate extends Probing {
       if (!this.isLatest(turn)) return;
       this.fails(log, error);
     }
+  }
+
+  protected rehearsed(files: string, task: string): Promise<string> {
+    return this.desk.bench.call("calibrate_rehearse", files, this.name, task, this.seed);
+  }
+
+  protected rehearsal(): string {
+    return "";
   }
 
   protected command(task: string, log: string): string {

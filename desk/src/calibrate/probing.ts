@@ -9,7 +9,8 @@ import { significant } from "../core/number";
 import { Samples } from "../core/sample";
 import { word } from "../core/shell";
 import { tabled } from "../core/shown";
-import type { Planned } from "./documents";
+import type { Table } from "../core/shown-types";
+import type { Planned, Rehearsed } from "./documents";
 
 export interface ViewState {
   name: string;
@@ -64,6 +65,11 @@ export abstract class Probing {
   protected readonly solve = commandLine("The same on the command line:");
   protected readonly solved = el("p", { role: "status" });
   private readonly samples: Samples;
+  /** Draws the machine of a rehearsal; the next one gets another. */
+  protected seed = 0;
+  private readonly truth = el("div", { class: "figures", hidden: true });
+  private readonly simulate = commandLine("The rehearsal on the command line:");
+  private readonly saveLog: HTMLButtonElement;
   protected readonly into: IntoMachine;
   protected readonly soon = debounce(250, () => void this.work());
 
@@ -83,7 +89,10 @@ export abstract class Probing {
     this.into = new IntoMachine(desk, words.what);
     this.into.root.hidden = true;
     const open = (given: Given[]) => this.take(given);
-    this.samples = new Samples(words.tried.map(([button, files]) => [button, () => this.trySample(files)]));
+    this.saveLog = button("Save the log", () => this.log && save(this.log.name, this.log.text));
+    const rehearse = button("Rehearse", () => void this.rehearse());
+    this.samples = new Samples(words.tried.map(([button, files]) => [button, () => this.trySample(files)]), rehearse, this.saveLog);
+    this.showTruth();
     root.append(
       section(
         "Task",
@@ -102,7 +111,7 @@ export abstract class Probing {
         ),
         this.plan.root,
       ),
-      section("Log", ...controls, this.samples.root, this.solved, this.solve.root),
+      section("Log", ...controls, this.samples.root, this.solved, this.solve.root, this.simulate.root, this.truth),
       results,
       this.into.root,
     );
@@ -116,6 +125,10 @@ export abstract class Probing {
   /** Solves a log and shows the result, unless `turn` is no longer the latest. */
   protected abstract found(turn: number, files: string, task: string, log: Log): Promise<void>;
   protected abstract clear(): void;
+  /** The module's answer to a rehearsal with the seed. */
+  protected abstract rehearsed(files: string, task: string): Promise<string>;
+  /** Options of the command that rehearses. */
+  protected abstract rehearsal(): string;
   /** The command for a log, from the names of task and log. */
   protected abstract command(task: string, log: string): string;
 
@@ -143,8 +156,35 @@ export abstract class Probing {
     this.samples.shown = true;
   }
 
+  /** Simulates the log of the task on a machine of drawn errors, and opens it. */
+  private async rehearse(): Promise<void> {
+    const turn = ++this.latest;
+    this.seed += 1;
+    const name = `rehearsed-${this.seed}.log`;
+    try {
+      const said = await this.rehearsed(this.files, this.task.value);
+      if (!this.isLatest(turn)) return;
+      const { log, truth } = JSON.parse(said) as Rehearsed;
+      this.log = { name, text: log };
+      this.desk.clear();
+      this.samples.say("Rehearsed");
+      this.simulate.set(`trueaxis ${this.words.command} simulate ${word(this.name)}${this.rehearsal()} --seed ${this.seed} -o ${name}`);
+      this.showTruth(truth);
+      void this.work();
+    } catch (error) {
+      if (this.isLatest(turn)) this.desk.fail(error);
+    }
+  }
+
+  /** Shows what is true in a rehearsal, or nothing. */
+  private showTruth(truth?: Table): void {
+    this.truth.hidden = this.simulate.root.hidden = this.saveLog.hidden = truth === undefined;
+    this.truth.replaceChildren(...(truth ? [tabled(truth)] : []));
+  }
+
   private take(given: Given[]): void {
     this.samples.shown = false;
+    this.showTruth();
     const texts = new Map<string, string>();
     for (const { path, bytes } of given) {
       const [name, content] = [path.split("/").at(-1) ?? path, text(bytes)];
@@ -181,11 +221,16 @@ export abstract class Probing {
     return turn === this.latest;
   }
 
+  /** Texts of the machine, and of what the task names beside it. */
+  private get files(): string {
+    return JSON.stringify({ ...(this.own ?? this.desk.machine.files), ...this.named });
+  }
+
   /** Plans the task, and solves the log if one is open. */
   protected async work(): Promise<void> {
     const turn = ++this.latest;
     this.into.begin();
-    const files = JSON.stringify({ ...(this.own ?? this.desk.machine.files), ...this.named });
+    const { files } = this;
     const task = this.task.value;
     try {
       const planned = JSON.parse(await this.desk.bench.call(this.words.plan, files, this.name, task)) as Planned;
@@ -209,6 +254,7 @@ export abstract class Probing {
   protected idle(): void {
     this.solved.textContent = this.words.without;
     this.samples.shown = false;
+    this.showTruth();
     this.into.root.hidden = true;
     this.clear();
   }

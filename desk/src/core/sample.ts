@@ -4,7 +4,7 @@ import { button, el } from "./dom";
 
 export class Samples {
   readonly root: HTMLElement;
-  private readonly mark = el("strong", { class: "sample", hidden: true }, "Sample, not your record");
+  private readonly mark = el("strong", { class: "sample", hidden: true });
 
   /** `entries`: the text of the button, and the action that opens the sample. */
   constructor(entries: readonly (readonly [text: string, open: () => void])[], ...more: HTMLElement[]) {
@@ -13,7 +13,13 @@ export class Samples {
 
   /** Marks what is shown as a sample, or as the user's record. */
   set shown(shown: boolean) {
-    this.mark.hidden = !shown;
+    this.say(shown ? "Sample" : "");
+  }
+
+  /** Marks what is shown as something else than the user's record. */
+  say(what: string): void {
+    this.mark.hidden = what === "";
+    this.mark.textContent = `${what}, not your record`;
   }
 }
 

@@ -28,7 +28,7 @@ const WORDS = {
   hint: "or drop them: keep.toml; machine.toml with its tables, unless it is the machine shown; thermal.toml; keep/history.jsonl; the log of a re-probing",
   accept: ".toml,.csv,.log,.txt,.jsonl",
   what: "Updates of the re-probing",
-  without: "Run the program between parts, with the compensation on; then open the control's log here, or try a sample: the first log of another mill, with its task.",
+  without: "Run the program between parts, with the compensation on; then open the control's log here. Rehearse simulates it: at first of the machine as it is, later of one that has moved within its uncertainties. Or try a sample: the first log of another mill, with its task.",
   tried: [
     ["Try a sample", { "keep.toml": task, "machine.toml": machine, "begin.log": begin }],
     ["Try a later log of it", { "look.log": look }],
@@ -152,10 +152,23 @@ export class Keep extends Probing {
     for (const one of this.results.querySelectorAll<HTMLButtonElement>("button.primary")) one.disabled = true;
   }
 
+  protected rehearsed(files: string, task: string): Promise<string> {
+    return this.desk.bench.call("keep_rehearse", files, this.name, task, this.seed, !this.begins);
+  }
+
+  protected rehearsal(): string {
+    return this.begins ? ` --machine ${word(this.desk.machine.name)}` : "";
+  }
+
+  /** Whether the next re-probing is the first of its history. */
+  private get begins(): boolean {
+    return this.history === "" || this.newHistory.checked;
+  }
+
   protected command(task: string, log: string): string {
     const { time, parts, accept } = this.given();
     const said = (option: string, value: string) => (value === "" ? "" : ` ${option} ${word(value)}`);
-    const begin = this.history === "" || this.newHistory.checked;
+    const begin = this.begins;
     const names = begin ? [] : accept.map((name) => said("--accept", name));
     const byHand = !begin && this.byHand.checked ? " --by-hand" : "";
     return `trueaxis keep ${begin ? "begin" : "check"} ${task} ${log}${said("--time", time)}${said("--parts", parts)}${names.join("")}${byHand}`;

@@ -2,6 +2,7 @@
 
 import type { Desk } from "../core/desk";
 import { text, type Given } from "../core/files";
+import { isProgram, mainOf } from "../core/programs";
 import { adopt } from "../core/machine";
 import type { Request, Text } from "./documents";
 
@@ -51,11 +52,12 @@ export class Files {
 
     const rest = [...texts];
     const part = await this.partOf(rest.filter((one) => isToml(one) && !this.named.includes(one[0])));
-    const more = rest.filter((one) => one !== part && this.named.includes(one[0]));
+    const programs = rest.filter((one) => one !== part && !this.named.includes(one[0]) && !isToml(one));
+    const program = programs.find(([name]) => name === this.program) ?? this.main(programs);
+    // With the files of subprograms.
+    const more = rest.filter((one) => one !== part && one !== program && (this.named.includes(one[0]) || isProgram(one[0])));
     const before = part || sample ? [] : (old?.more ?? this.more);
     this.more = [...before.filter(([name]) => !more.some(([own]) => own === name)), ...more];
-    const programs = rest.filter((one) => one !== part && !more.includes(one) && !isToml(one));
-    const program = programs.find(([name]) => name === this.program) ?? programs[0];
     if (!part && !program) {
       const isChanged = record || growth !== undefined || more.length > 0 || thermal !== (old?.thermal ?? null);
       return old && isChanged ? { request: { ...old, ...draws, ...temperatures, more: this.more }, sample } : undefined;
@@ -69,6 +71,13 @@ export class Files {
       return found.part ? `${found.part[0]}: open its program${this.program ? `, ${this.program}` : ""}, too.` : `${found.program![0]}: open its part.toml, too.`;
     this.partial = {};
     return { request: { ...NO_FILES, ...draws, ...temperatures, part: found.part, program: found.program, more: this.more }, sample: false };
+  }
+
+  private main(programs: readonly Text[]): Text | undefined {
+    const [only, other] = programs;
+    if (!other) return only;
+    const main = mainOf(Object.fromEntries(programs));
+    return programs.find(([name]) => name === main);
   }
 
   /** Takes a machine with its tables out of the texts, and shows it on the desk. */

@@ -2,9 +2,10 @@
 
 import { choice, el, section } from "../core/dom";
 import { picker, text, type Given } from "../core/files";
+import { isProgram, plainName, programs } from "../core/programs";
 import type { BuiltIn } from "./documents";
 import { Listing } from "./listing";
-import type { ProgramOf } from "./setup";
+import type { FileOf, ProgramOf } from "./setup";
 
 const FILE = "file:";
 
@@ -18,13 +19,13 @@ export class Programs {
   readonly root: HTMLElement;
   readonly listing: Listing;
   private readonly which;
-  private file: { name: string; text: string } | undefined;
+  private file: FileOf | undefined;
 
   constructor(host: ProgramsHost, chose: (line: number) => void) {
     this.listing = new Listing(chose);
     this.which = choice<string>("Program", [], "", (value) => host.program(value === FILE && this.file ? this.file : { builtin: value }));
-    const open = picker("Open program or settings…", { accept: ".ngc,.nc,.gcode,.tap,.cnc,.txt,.toml" }, (files) => host.taken(files), (error) => host.failed(error));
-    const hint = el("p", { class: "note" }, "Programs, settings (TOML) and folders of machines may also be dropped anywhere on this view.");
+    const open = picker("Open program or settings…", { accept: ".ngc,.nc,.gcode,.tap,.cnc,.txt,.toml", several: true }, (files) => host.taken(files), (error) => host.failed(error));
+    const hint = el("p", { class: "note" }, "Programs, together with the files of their subprograms, settings (TOML) and folders of machines may also be dropped anywhere on this view.");
     this.root = section("Part program", this.which.root, el("div", { class: "row" }, open), this.listing.root, hint);
   }
 
@@ -48,19 +49,19 @@ export class Programs {
 }
 
 /** Dropped or picked input: a program, settings, or files of a machine. */
-export type Taken = { program: { name: string; text: string } } | { settings: string; file: string } | { machine: readonly Given[] };
+export type Taken = { program: FileOf } | { settings: string; file: string } | { machine: readonly Given[] };
 
 /** Sorts files by their kind. */
 export function sort(files: readonly Given[]): Taken {
   const [file] = files;
   if (!file) throw new Error("found no file, needed a part program, settings (.toml), or the folder or compiled file of a machine");
-  const name = file.path.split("/").at(-1) ?? file.path;
+  const name = plainName(file.path);
+  if (files.every(({ path }) => isProgram(path))) return { program: programs(files) };
   if (files.length > 1 || name === "machine.toml" || /\.(tcomp|csv)$/i.test(name)) return { machine: files };
   const decoded = text(file.bytes);
   if (/\.toml$/i.test(name)) {
     if (decoded === undefined) throw new Error(`${name}: found bytes that are not UTF-8, needed a text`);
     return { settings: decoded, file: name };
   }
-  // A program's comments may be in any encoding.
-  return { program: { name, text: decoded ?? new TextDecoder("latin1").decode(file.bytes) } };
+  return { program: programs(files) };
 }

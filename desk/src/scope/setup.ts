@@ -2,7 +2,14 @@
 
 import type { Files } from "../core/machine";
 
-export type ProgramOf = { builtin: string } | { name: string; text: string };
+/** A program with the files of its subprograms. */
+export interface FileOf {
+  name: string;
+  text: string;
+  files?: Files;
+}
+
+export type ProgramOf = { builtin: string } | FileOf;
 export type Model = "machine" | "nine" | "volumetric";
 export type Direction = "machine" | "on" | "off";
 

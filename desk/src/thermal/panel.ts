@@ -7,7 +7,6 @@ import { FIRST_MACHINE, Samples } from "../core/sample";
 import { word } from "../core/shell";
 import type { Fitted } from "./documents";
 import { Results } from "./results";
-import { warmUp } from "./sample";
 
 export interface ViewState {
   holdOut: string;
@@ -71,8 +70,14 @@ export class Growth {
   }
 
   private trySample(): void {
-    this.record = { name: "warm-up.csv", text: warmUp(), sample: true };
-    void this.fit();
+    const read = async () => {
+      const turn = ++this.latest;
+      const text = await this.desk.bench.call("thermal_sample");
+      if (turn !== this.latest) return;
+      this.record = { name: "warm-up.csv", text, sample: true };
+      await this.fit();
+    };
+    read().catch(this.desk.fail);
   }
 
   private take([file]: Given[]): void {

@@ -82,7 +82,7 @@ impl Becomes {
 }
 
 /// Location errors and lost motion by the full names of their keys.
-fn values(machine: &Machine) -> Vec<(String, f64)> {
+pub(crate) fn values(machine: &Machine) -> Vec<(String, f64)> {
     let location = location_values(&machine.settings.location).into_iter();
     let mut values: Vec<_> = location.map(|(key, value)| (format!("location.{key}"), value)).collect();
     for own in &machine.settings.axes {

@@ -20,6 +20,7 @@ pub mod keep;
 pub mod machine;
 pub mod panics;
 pub mod predict;
+pub mod rehearsal;
 pub mod roundness;
 mod samples;
 pub mod scope;

@@ -13,7 +13,7 @@ use trueaxis_evaluation::predict::{
 };
 use trueaxis_evaluation::rows::Rows;
 use trueaxis_evaluation::shown::Shown;
-use trueaxis_sim::program::Program;
+use trueaxis_sim::program::{Program, ReadOptions};
 use trueaxis_tables::Machine;
 use trueaxis_tables::uncertainty::Uncertainties;
 use wasm_bindgen::prelude::*;
@@ -31,7 +31,7 @@ struct Request {
     part: [String; 2],
     /// Name and text of the program.
     program: [String; 2],
-    /// Programs of further set-ups, and tasks of instruments.
+    /// Programs of further set-ups, files of subprograms, and tasks of instruments.
     #[serde(default)]
     more: Vec<[String; 2]>,
     /// Name and text of the machine's thermal.toml.
@@ -136,9 +136,11 @@ fn read(files: &str, request: &str) -> Result<Read> {
     part.temperature.machine_c = machine_c.or(part.temperature.machine_c);
     let model = || growth.clone().map_or_else(|| GrowthModel::of(&machine, None), Ok);
     part = part.warmed(record.as_ref().map(|record| (record, start)), model)?;
+    let texts = Some(more.iter().map(|[name, text]| (name.clone(), text.clone())).collect());
+    let options = ReadOptions { texts, ..ReadOptions::default() };
     let parse = |name: &str, text: &str| {
         let stem = Path::new(name).file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
-        Program::parse(&stem, text, name)
+        Program::read(&stem, text.as_bytes(), name, &options)
     };
     let program = parse(&name, &program)?;
     part.read_setups(|file| {

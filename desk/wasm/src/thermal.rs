@@ -9,6 +9,7 @@ use trueaxis::tcomp::machine_id;
 use trueaxis_evaluation::rows::Rows;
 use trueaxis_evaluation::shown::Shown;
 use trueaxis_evaluation::thermal::{COLUMNS, FittedRecording, Recording, model, settings, written};
+use trueaxis_sim::warming::{Recording as Recorded, csv};
 use wasm_bindgen::prelude::*;
 
 /// Inputs in addition to the record.
@@ -40,6 +41,13 @@ fn fit(files: &str, name: &str, text: &str, request: &str) -> Result<String> {
     let found = FittedRecording::of(Recording::read(rows, &request.without)?, &settings, &mut |_| {})?;
     let document = found.document();
     json(&Fitted { shown: document.shown(&found), toml: written(&found), notes })
+}
+
+/// The record that `trueaxis thermal simulate --at 0,0,-200,60` writes.
+#[wasm_bindgen]
+pub fn thermal_sample() -> String {
+    // At one point: the fit of a record at four takes seconds.
+    csv(&Recorded { seed: 1, shifts: 5, noise_um: 0.5, points: vec![[0.0, 0.0, -200.0, 60.0]] }.record())
 }
 
 /// Fits a recorded warm-up on the machine of these files: `shown`, `toml`, `notes`. `request`: `hold_out`,

@@ -206,6 +206,9 @@ fn ballbar(name: &str, a: &mut Parameters<'_>, dear: bool) {
 fn calibrate(name: &str, a: &mut Parameters<'_>, dear: bool) {
     use desk::calibrate::*;
     match name {
+        "calibrate_rehearse" if dear => {
+            json(desk::rehearsal::calibrate_rehearse(a.text(), a.name(), a.text(), a.count() as u32));
+        }
         "calibrate_plan" if dear => json(calibrate_plan(a.text(), a.name(), a.text())),
         "calibrate_solve" if dear => json(calibrate_solve(a.text(), a.name(), a.text(), a.name(), a.text())),
         _ => {}
@@ -215,6 +218,9 @@ fn calibrate(name: &str, a: &mut Parameters<'_>, dear: bool) {
 fn keep(name: &str, a: &mut Parameters<'_>, dear: bool) {
     use desk::keep::*;
     match name {
+        "keep_rehearse" if dear => {
+            json(desk::rehearsal::keep_rehearse(a.text(), a.name(), a.text(), a.count() as u32, a.switch()));
+        }
         "keep_plan" if dear => json(keep_plan(a.text(), a.name(), a.text())),
         "keep_evaluate" if dear => json(keep_evaluate(a.text(), a.name(), a.text(), a.name(), a.text(), a.text())),
         _ => {}
@@ -350,6 +356,8 @@ fn finite(answer: Result<Vec<f64>, Refusal>) {
 
 const MACHINE: &str = r#"{"machine.toml": "name = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\ntable = \"x.csv\"\n", "x.csv": "X_mm,EXX_um\n0,1\n10,2\n"}"#;
 const SQUARE: &str = r#"{"machine.toml": "name = \"m\"\nchain = \"w Y' X' b Z t\"\n[axis.X]\n[axis.Y]\n[axis.Z]\n"}"#;
+/// With uncertainties, from which a rehearsal draws.
+const RANGED: &str = r#"{"machine.toml": "name = \"m\"\nchain = \"w Y' X' b Z t\"\n[axis.X]\ntravel_mm = [-99, 99]\n[axis.Y]\ntravel_mm = [-99, 99]\n[axis.Z]\ntravel_mm = [-99, 99]\n[uncertainty.location]\nC0Y_urad = 9\n"}"#;
 const STATED: &str = r#"{"machine.toml": "name = \"m\"\nchain = \"w Y' X' b Z t\"\n[uncertainty]\ndevice_um_per_m = 1\n[axis.X]\ntravel_mm = [0, 9]\n[axis.Y]\ntravel_mm = [0, 9]\n[axis.Z]\ntravel_mm = [0, 9]\ntable = \"z.csv\"\n", "z.csv": "Z_mm,EZZ_um\n0,1\n9,2\n"}"#;
 const TASK: &str = "machine = \"m\"\ndialect = \"linuxcnc\"\n[probe]\ntip_radius_mm = 2\nrepeats = 1\n[[artefact]]\n\
                     name = \"ball\"\nkind = \"ball\"\ndiameter_mm = 25\nuncertainty_um = 0.2\n[[artefact.place]]\n\
@@ -422,9 +430,11 @@ fn seeds() -> Vec<Vec<u8>> {
             + &message("ballbar_settings", &[SQUARE, ""]),
         message("friction_settings", &[])
             + &message("calibrate_plan", &[SQUARE, "task.toml", TASK])
+            + &message("calibrate_rehearse", &[RANGED, "task.toml", TASK, "3"])
             + &message("calibrate_solve", &[SQUARE, "task.toml", TASK, "probe.log", "touch 1 14.5 0 0 0 0 0 1\n"]),
         message("friction_settings", &[])
             + &message("keep_plan", &[SQUARE, "keep.toml", KEEP])
+            + &message("keep_rehearse", &[RANGED, "keep.toml", KEEP, "3", ""])
             + &message(
                 "keep_evaluate",
                 &[SQUARE, "keep.toml", KEEP, "look.log", "touch 1 14.5 0 0 0 0 0 1\n", REPROBING],
@@ -463,6 +473,8 @@ mod tests {
         for planned in [
             desk::calibrate::calibrate_plan(SQUARE, "task.toml", TASK),
             desk::keep::keep_plan(SQUARE, "keep.toml", KEEP),
+            desk::rehearsal::calibrate_rehearse(RANGED, "task.toml", TASK, 3),
+            desk::rehearsal::keep_rehearse(RANGED, "keep.toml", KEEP, 3, true),
             desk::uncertainty::uncertainty(
                 STATED,
                 r#"{"at": [1, 2, 3], "confidence_percent": 95, "points": 3, "trials": 100, "seed": 1}"#,

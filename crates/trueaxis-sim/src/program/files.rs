@@ -92,12 +92,16 @@ impl ReadOptions {
 }
 
 /// Path and bytes of a subprogram's file, if there is one: `name.ngc`.
-pub(super) fn subprogram(folder: &Path, name: &str) -> Option<(String, Vec<u8>)> {
+pub(super) fn subprogram(options: &ReadOptions, name: &str) -> Option<(String, Vec<u8>)> {
     let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
     if name.is_empty() || !name.chars().all(plain) {
         return None;
     }
-    let path = folder.join(format!("{name}.ngc"));
+    let file = format!("{name}.ngc");
+    if let Some(text) = options.texts.as_ref().and_then(|texts| texts.get(&file)) {
+        return Some((file, text.clone().into_bytes()));
+    }
+    let path = options.folder.as_ref()?.join(file);
     let mut bytes = Vec::new();
     std::fs::File::open(&path).ok()?.take(limits::MOST_BYTES).read_to_end(&mut bytes).ok()?;
     Some((path.display().to_string(), bytes))

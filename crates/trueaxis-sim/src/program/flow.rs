@@ -507,13 +507,16 @@ impl<'o> Flow<'o> {
         };
         (self.here, self.at) = (here, next);
         let Some(place) = found else {
-            let needed = match &self.interpreter.options.folder {
-                Some(_) => format!(
-                    "`{head}` in the program, or a file {}.ngc with it in its folder",
-                    label.to_ascii_lowercase()
-                ),
-                None => format!("`{head}` in the program"),
+            let options = &self.interpreter.options;
+            let place = match (&options.folder, &options.texts) {
+                (Some(_), _) => "in its folder",
+                (None, Some(_)) => "beside the program",
+                (None, None) => "",
             };
+            let mut needed = format!("`{head}` in the program");
+            if !place.is_empty() {
+                needed += &format!(", or a file {}.ngc with it {place}", label.to_ascii_lowercase());
+            }
             return Err(Refusal::new(here.line, format!("`{call}` without its subprogram"), needed));
         };
         self.know(key, place)?;
@@ -543,8 +546,8 @@ impl<'o> Flow<'o> {
 
     /// Index of the file of a subprogram, if there is one.
     fn load(&mut self, label: &str) -> Result<Option<usize>, Refusal> {
-        let Some(folder) = &self.interpreter.options.folder else { return Ok(None) };
-        let Some((name, bytes)) = files::subprogram(folder, &label.to_ascii_lowercase()) else { return Ok(None) };
+        let own = files::subprogram(self.interpreter.options, &label.to_ascii_lowercase());
+        let Some((name, bytes)) = own else { return Ok(None) };
         let all = self.files.iter().map(|file| file.bytes.len() as u64).sum::<u64>();
         if all + bytes.len() as u64 > MOST_BYTES {
             let found = format!("a program and its files of more than {MOST_BYTES} bytes, with {name}");

@@ -1,5 +1,6 @@
 //! Options for reading a program.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use super::{Offsets, Surface, ToolTable};
@@ -15,6 +16,8 @@ pub struct ReadOptions {
     pub block_delete: bool,
     /// Folder with the files of subprograms, the program's own; if absent, they are in the program itself.
     pub folder: Option<PathBuf>,
+    /// Texts of the files of subprograms by name, `name.ngc`, where there is no folder.
+    pub texts: Option<BTreeMap<String, String>>,
     /// What probing moves touch; if absent, they go to their ends.
     pub surface: Option<Surface>,
 }

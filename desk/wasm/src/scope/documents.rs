@@ -112,7 +112,8 @@ impl Session {
             files.extend(texts.iter().map(|(name, text)| (format!("{folder}/{name}"), text.clone())));
         }
         let (program, text) = request.program.parts()?;
-        if let ProgramText::File { .. } = request.program {
+        if let ProgramText::File { files: beside, .. } = &request.program {
+            files.extend(beside.clone());
             files.insert(program.to_owned(), text.to_owned());
         }
         let toml = self.settings.to_toml();

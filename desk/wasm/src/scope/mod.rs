@@ -40,7 +40,7 @@ fn with<T>(scope: u32, ask: impl FnOnce(&mut Session) -> Result<T>) -> Result<T>
 
 /// Opens a scope, ready to run; returns its number.
 ///
-/// `request`: JSON of `machine` (texts of its files by name), `program` (`{"builtin": name}` or `{"name", "text"}`),
+/// `request`: JSON of `machine` (texts of its files by name), `program` (`{"builtin": name}` or `{"name", "text", "files"}`),
 /// `settings` (TOML as `firmware-sim scenario` prints, any part of it), and optionally `model` (`"nine"`, `"volumetric"`),
 /// `orientation`, `exchanges` (further machines by the name that an event gives) and `kinds` (names of the machines to run).
 #[wasm_bindgen]

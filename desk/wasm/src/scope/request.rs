@@ -20,8 +20,16 @@ pub(super) const SCENARIO_FILE: &str = "scenario.toml";
 #[derive(Clone, Deserialize)]
 #[serde(untagged, deny_unknown_fields)]
 pub(super) enum ProgramText {
-    Builtin { builtin: String },
-    File { name: String, text: String },
+    Builtin {
+        builtin: String,
+    },
+    File {
+        name: String,
+        text: String,
+        /// Texts of the subprograms' files, by name.
+        #[serde(default)]
+        files: Texts,
+    },
 }
 
 /// Error model that replaces the machine file's.
@@ -56,8 +64,8 @@ impl ProgramText {
     /// Name of the file or of the shipped program, and its text.
     pub(super) fn parts(&self) -> Result<(&str, &str)> {
         match self {
-            ProgramText::File { name, text } => {
-                plain("program", name)?;
+            ProgramText::File { name, text, files } => {
+                std::iter::once(name).chain(files.keys()).try_for_each(|name| plain("program", name))?;
                 Ok((name, text))
             }
             ProgramText::Builtin { builtin } => {
@@ -69,13 +77,14 @@ impl ProgramText {
 
     fn read(&self) -> Result<Program> {
         let (name, text) = self.parts()?;
-        let stem = match self {
-            ProgramText::File { .. } => {
-                name.rsplit_once('.').map_or(name, |(stem, _)| if stem.is_empty() { name } else { stem })
+        let (stem, texts) = match self {
+            ProgramText::File { files, .. } => {
+                let stem = name.rsplit_once('.').map_or(name, |(stem, _)| if stem.is_empty() { name } else { stem });
+                (stem, Some(files.clone()))
             }
-            ProgramText::Builtin { .. } => name,
+            ProgramText::Builtin { .. } => (name, None),
         };
-        Ok(Program::read(stem, text.as_bytes(), name, &ReadOptions::default())?)
+        Ok(Program::read(stem, text.as_bytes(), name, &ReadOptions { texts, ..ReadOptions::default() })?)
     }
 }
 

@@ -8,7 +8,6 @@
 //!
 //! The log is the solution's only information about the true machine.
 
-pub(super) mod artefacts;
 mod five_axes;
 mod refused;
 mod summary;
@@ -19,9 +18,9 @@ pub use refused::RefusedMachine;
 pub use summary::{Machines, Summary, all, summary};
 pub use tasks::{BALL_PLATE, FIVE_AXES, GAUGE_AND_SQUARE, MILL, TaskText};
 
+use super::artefacts::{self, SetUp};
 use crate::calibrate::{Calibration, Dialect, Plan, Task, calibrate, perfect, program, read_log, trips};
 use anyhow::{Result, bail};
-use artefacts::SetUp;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};

@@ -12,7 +12,7 @@
 
 mod drifting;
 
-use super::calibration::artefacts::{SetUp, placed};
+use super::artefacts::{SetUp, placed};
 use crate::calibrate::{Plan, perfect, program, read_log, trips};
 use crate::keep::{BallPlace, Before, KeepTask, Reprobing, begin, changes, evaluate, plan};
 use anyhow::{Result, anyhow};

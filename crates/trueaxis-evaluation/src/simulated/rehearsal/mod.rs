@@ -10,6 +10,7 @@
 //! first-order terms. Both share the structural code and its nominal transforms, and nothing else.
 
 mod ballbar;
+#[cfg(feature = "simulated")]
 mod dial;
 mod drawn;
 mod feature;
@@ -19,6 +20,7 @@ mod probing;
 mod shop;
 
 pub use ballbar::Circles;
+#[cfg(feature = "simulated")]
 pub use dial::{FilledSheet, dial};
 pub use drawn::{drawn, is_stated};
 pub use feature::ProbedFeature;
