@@ -338,7 +338,7 @@ impl Artefacts {
         let mut own = 0..0;
         let mut block = Sizes::default();
         let sizes = match &artefact.kind {
-            Kind::Ring { diameter_mm, .. } | Kind::Ball { diameter_mm } => {
+            Kind::Ring { diameter_mm, .. } | Kind::Ball { diameter_mm, .. } => {
                 vec![names.put(format!("diameter of {name}"), *diameter_mm, uncertainty)]
             }
             Kind::Plate { diameter_mm, balls_mm, .. } => {
@@ -416,7 +416,9 @@ impl Artefacts {
                 let normal = unit(at.normal);
                 let [a, b, c] = balls_mm.get(feature).copied().unwrap_or_default();
                 let offset = std::array::from_fn(|k| a * u[k] + b * v[k] + c * normal[k]);
-                let own = Some(own + 3 * feature);
+                // A ball is off its place along the plate's directions, which lie along other axes when the plate stands.
+                let along = |k: usize| [u, v, normal].iter().position(|direction| direction[k] != 0.0).unwrap_or(k);
+                let own = Some([0, 1, 2].map(|k| own + 3 * feature + along(k)));
                 let length = self.lengths[artefact];
                 Surface::Ball { diameter: size, origin: first, offset, turn: Some(first + 3), own, length }
             }
