@@ -191,6 +191,32 @@ fn balls_are_off_along_the_directions_of_their_plate() {
     assert!((0.8e-3..1.2e-3).contains(&sigma_mm), "{sigma_mm}");
 }
 
+/// The probe scatters along its travel, also where it touches a ball at an angle of 45°.
+#[test]
+fn oblique_touches_scatter_like_the_others() {
+    const REPEATS: usize = 20;
+    let text = HEAD.replace("repeats = 1", &format!("repeats = {REPEATS}"));
+    let place = |(at, normal, stylus): &At| {
+        format!("[[artefact.place]]\nat_mm = {at:?}\nnormal = \"{normal}\"\nstylus_mm = {stylus:?}\n")
+    };
+    let text = text.replace("angular_degree = 2", "").replace("_degree = 3", "_degree = 1") + &place(&PLACES[0]);
+    let task = Task::read(&text, Path::new("task.toml")).unwrap_or_else(|error| panic!("{error}"));
+    let plan = Plan::new(&task, &perfect(&random_machine(1, &Class::MILL))).unwrap();
+    let residuals = rehearsed(&task, 1).found.solution.residuals_mm;
+    let of_ball = plan.touches.iter().zip(residuals).filter(|(touch, _)| {
+        let visit = &plan.visits[touch.visit];
+        touch.artefact == 0 && !visit.reference
+    });
+    let of_ball: Vec<f64> = of_ball.map(|(_, residual)| 1e3 * residual).collect();
+    // Thirteen points towards the middle of the ball, sixteen along one axis.
+    assert_eq!(of_ball.len(), (13 + 16) * REPEATS);
+    let (radial, oblique) = of_ball.split_at(13 * REPEATS);
+    for touches in [radial, oblique] {
+        let rms = (touches.iter().map(|um| um * um).sum::<f64>() / touches.len() as f64).sqrt();
+        assert!((0.9..1.1).contains(&rms), "{rms} µm");
+    }
+}
+
 /// With one length, a turn of Z about Y and a straightness of Z are one: the plan says so, and what would separate them.
 #[test]
 fn one_length_leaves_turns_of_z_unseen() {

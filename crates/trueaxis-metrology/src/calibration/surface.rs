@@ -89,6 +89,9 @@ pub struct Touch {
     pub drift: Vec<(usize, f64)>,
     /// Index of the radius of a tip other than the network's.
     pub own_tip: Option<usize>,
+    /// Way of the tip along its travel for a way of 1 across the surface: a probe scatters along its travel, which at an oblique
+    /// touch counts less across the surface. 1 where it is touched at right angles.
+    pub weight: f64,
 }
 
 /// Equation of a touch at the present values of the unknowns: the residual, mm, and its derivatives.
@@ -215,6 +218,8 @@ impl Touch {
         for (knot, weight) in &self.drift {
             derivatives.extend((0..3).map(|k| (knot + k, -weight * gradient[k])));
         }
-        Row { residual, derivatives, across: gradient }
+        let weight = self.weight;
+        derivatives.iter_mut().for_each(|(_, derivative)| *derivative *= weight);
+        Row { residual: weight * residual, derivatives, across: gradient.map(|part| weight * part) }
     }
 }
