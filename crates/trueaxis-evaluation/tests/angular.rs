@@ -170,7 +170,7 @@ fn angles_come_back() {
             }
         }
         let notes = found.document(&task, &random_machine(seed, &Class::MILL)).warnings.concat();
-        assert!(notes.contains("left at zero within the stated range of 20 µrad") && notes.contains("ECZ"), "{notes}");
+        assert!(notes.contains("left at zero within the range assumed") && notes.contains("ECZ"), "{notes}");
         assert!(!notes.contains("EBZ") && !notes.contains("stylus_mm"), "{notes}");
     }
     println!("{within} of {all} terms within 1.96 standard errors");
@@ -194,8 +194,9 @@ fn balls_are_off_along_the_directions_of_their_plate() {
 /// The probe scatters along its travel, also where it touches a ball at an angle of 45°.
 #[test]
 fn oblique_touches_scatter_like_the_others() {
-    const REPEATS: usize = 20;
-    let text = HEAD.replace("repeats = 1", &format!("repeats = {REPEATS}"));
+    const REPEATS: usize = 8;
+    let quick = format!("probe_feed_mm_per_min = 300.0\nfeed_mm_per_min = 5000.0\nrepeats = {REPEATS}");
+    let text = HEAD.replace("repeats = 1", &quick).replace("every = 100", "every = 20");
     let place = |(at, normal, stylus): &At| {
         format!("[[artefact.place]]\nat_mm = {at:?}\nnormal = \"{normal}\"\nstylus_mm = {stylus:?}\n")
     };
@@ -213,7 +214,7 @@ fn oblique_touches_scatter_like_the_others() {
     let (radial, oblique) = of_ball.split_at(13 * REPEATS);
     for touches in [radial, oblique] {
         let rms = (touches.iter().map(|um| um * um).sum::<f64>() / touches.len() as f64).sqrt();
-        assert!((0.9..1.1).contains(&rms), "{rms} µm");
+        assert!((0.85..1.15).contains(&rms), "{rms} µm");
     }
 }
 
