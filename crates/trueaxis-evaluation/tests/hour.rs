@@ -132,6 +132,9 @@ fn an_hour(seeds: std::ops::RangeInclusive<u64>, is_full: bool) {
     assert!(median > if is_full { 0.8 } else { 0.6 }, "{median}");
     let [least, most] = if is_full { [0.94, 0.96] } else { [0.9, 1.0] };
     assert!((least..=most).contains(&shares["all"][1]), "{shares:?}");
+    // Of lost motion there are 600 values.
+    let is_near = |[_, _, off]: &[f64; 3]| (off - 1.0).abs() < 0.1;
+    assert!(!is_full || shares.values().all(is_near), "{shares:?}");
     let off = if is_full { 0.1 } else { 0.3 };
     assert!((reached / expected - 1.0).abs() < off, "{reached} µm left, {expected} expected");
 }
@@ -165,7 +168,8 @@ fn an_hour_finds_centre_lines() {
         let [before, after] = volumetric(&truth, &done.known).unwrap();
         (compared(seed, &truth, &done.known).unwrap(), 1.0 - after.rms / before.rms)
     };
-    let all: Vec<(FiveAxes, f64)> = (1..=count).into_par_iter().map(one).collect();
+    let seeds: Vec<u64> = (1..=count).chain(1001..1001 + if is_full { count } else { 0 }).collect();
+    let all: Vec<(FiveAxes, f64)> = seeds.into_par_iter().map(one).collect();
     let sorted = |of: fn(&(FiveAxes, f64)) -> f64| {
         let mut values: Vec<f64> = all.iter().map(of).collect();
         values.sort_by(f64::total_cmp);
@@ -173,7 +177,9 @@ fn an_hour_finds_centre_lines() {
     };
     let place = sorted(|(lines, _)| lines.place_um);
     let removed = sorted(|(_, removed)| *removed);
-    println!("place: least, median, nine tenths, worst: {place:.2?} µm");
+    let within = all.iter().filter(|(lines, _)| lines.place_um <= 1.5).count();
+    println!("{} machines, {within} with every line within 1.5 µm", all.len());
+    println!("place of the worst line: least, median, nine tenths, largest: {place:.2?} µm");
     println!("tilt: {:.2?} µrad", sorted(|(lines, _)| lines.tilt_urad));
     println!("removed with the rotary axes at zero: {removed:.3?}");
     assert!(place[1] < 1.5 && place[3] < if is_full { 4.0 } else { 3.0 } && removed[0] > 0.0);

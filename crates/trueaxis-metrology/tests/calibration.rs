@@ -107,7 +107,7 @@ fn residuals_are_divided_by_the_degrees_of_freedom() {
                     response: vec![[tip_mm[0], 0.0, 0.0]],
                     drift: Vec::new(),
                     own_tip: None,
-                weight: 1.0,
+                    weight: 1.0,
                 });
             }
         }
@@ -191,7 +191,7 @@ fn a_turned_plate_of_unknown_places_shows_the_skew_of_a_machine() {
                     response: vec![[-tip_mm[1], 0.0, 0.0]],
                     drift: Vec::new(),
                     own_tip: None,
-                weight: 1.0,
+                    weight: 1.0,
                 });
             }
         }
