@@ -1,6 +1,7 @@
 //! Centre lines of the rotary axes of the table, relative to the linear axes that move along and across them.
 //!
-//! With the tip on the line while the axis turns by half a turn, everything that turns with the workpiece cancels (ISO 10791-6):
+//! With the tip on the line while the axis turns by half a turn, everything that turns with the workpiece cancels
+//! (ISO 10791-6):
 //!
 //! ```text
 //! d(s) = ½ [E(s, 0°) + E(s, 180°)]       E: error of the tip at s along the line, in machine directions

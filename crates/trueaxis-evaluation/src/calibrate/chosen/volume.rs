@@ -19,8 +19,8 @@ pub(super) struct Volume {
 }
 
 impl Volume {
-    /// 7 × 7 × 7 points of the travels, in positive and in negative travel, rotary axes at zero; where balls are turned, 4 × 4 × 4
-    /// points with all combinations of their angles.
+    /// 7 × 7 × 7 points of the travels, in positive and in negative travel, rotary axes at zero; where balls are turned,
+    /// 4 × 4 × 4 points with all combinations of their angles.
     pub(super) fn new(task: &Task, machine: &Machine, terms: &Terms) -> Result<Volume> {
         let mut tools: Vec<Stylus> = task.wishes.tools_mm.iter().copied().map(Some).collect();
         if tools.is_empty() {
