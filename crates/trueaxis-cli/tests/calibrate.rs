@@ -128,6 +128,29 @@ fn a_ring_and_a_ball_determine_the_machine() {
     assert!(of(&forced)["written"].is_object());
 }
 
+/// Places chosen for a time go into a task that `plan` takes as it is and gives the same program for; what cannot be is refused
+/// and changes nothing.
+#[test]
+fn places_are_chosen_for_a_time() {
+    let folder = Folder::new(TRUEAXIS);
+    folder.write("mill/machine.toml", MACHINE);
+    let free = "[plan] # from what there is\nfree_mm = [[120.0, 420.0], [100.0, 350.0], [-260.0, -200.0]]\nnormals = [\"Z\"]\n";
+    folder.write("hour.toml", format!("{HEAD}{free}{REFERENCE}{BALL}{RING}"));
+    let choose = |minutes: &'static str, placed: &'static str| {
+        ["calibrate", "plan", "hour.toml", "--minutes", minutes, "--placed", placed, "-o", "hour.ngc"]
+    };
+    folder.bad(&choose("2", "placed.toml"), &["--minutes: found 2 minutes, needed at least "]);
+    folder.bad(&choose("40", "mill/placed.toml"), &["--placed: found mill/placed.toml", "a file beside hour.toml"]);
+    let said = folder.reported(&choose("40", "placed.toml"));
+    assert!(said.contains("written placed.toml: ") && said.contains("error of the tip expected"), "{said}");
+    let placed = folder.read("placed.toml");
+    assert!(
+        placed.contains("[plan] # from what there is") && placed.matches("[[artefact.place]]").count() > 1,
+        "{placed}"
+    );
+    assert_eq!(folder.good(&["calibrate", "plan", "placed.toml"]), folder.read("hour.ngc"));
+}
+
 /// A control that compensates 6 µm too much in X.
 #[test]
 fn lost_motion_below_zero_refuses_nothing_else() {

@@ -107,8 +107,33 @@ fn machine_of(nominal: &Machine, terms: &[Term], values: &[f64], reach: [[f64; 2
     machine
 }
 
-/// The terms that were drawn, and what was found of them.
-pub(crate) fn rehearsed(task: &Task, seed: u64) -> (Vec<f64>, Calibration) {
+/// A machine of terms that were drawn, and what was found of them.
+pub(crate) struct Rehearsed {
+    pub(crate) values: Vec<f64>,
+    pub(crate) truth: Machine,
+    pub(crate) found: Calibration,
+}
+
+impl Rehearsed {
+    /// Names of the kinds of terms, and by how many standard errors each value is off.
+    pub(crate) fn off(&self) -> impl Iterator<Item = (&'static str, f64)> + '_ {
+        let solution = &self.found.solution;
+        self.found.observed.terms.terms.iter().zip(&self.values).enumerate().map(|(k, (term, value))| {
+            let kind = match term {
+                Term::Squareness(_) => "squareness",
+                Term::Backlash(_) => "lost motion",
+                Term::Location(..) => "centre lines",
+                Term::Curve { component: 3.., .. } => "angular",
+                Term::Curve { axis, component, degree: 1 } if usize::from(*component) == axis.index() => "scale",
+                Term::Curve { axis, component, .. } if usize::from(*component) == axis.index() => "positioning",
+                Term::Curve { .. } => "straightness",
+            };
+            (kind, (solution.values[k] - value) / solution.standard_errors[k])
+        })
+    }
+}
+
+pub(crate) fn rehearsed(task: &Task, seed: u64) -> Rehearsed {
     let nominal = perfect(&random_machine(seed, &Class::MILL));
     let plan = Plan::new(task, &nominal).unwrap_or_else(|error| panic!("{error:#}"));
     let terms = foresee(task, &nominal, &plan).unwrap_or_else(|error| panic!("{error:#}")).observed.terms.terms;
@@ -122,7 +147,7 @@ pub(crate) fn rehearsed(task: &Task, seed: u64) -> (Vec<f64>, Calibration) {
     let conditions = Conditions { noise_um: None, drift: Drift::Size(3.0), seed, set_up: seed };
     let log = rehearsal::calibrate(task, &nominal, &truth, &conditions).unwrap_or_else(|error| panic!("{error:#}"));
     let (_, found) = solved(task, &nominal, &log, Path::new("probe.log"), |_| {}).unwrap_or_else(|e| panic!("{e:#}"));
-    (values, found)
+    Rehearsed { values, truth, found }
 }
 
 /// Two styli and a plate at several heights, flat and upright: every angular error that moves the tip is found within its band.
@@ -131,7 +156,7 @@ fn angles_come_back() {
     let task = task(&PLACES, |stylus| stylus);
     let (mut within, mut all) = (0, 0);
     for seed in 1..=share(20) as u64 {
-        let (values, found) = rehearsed(&task, seed);
+        let Rehearsed { values, found, .. } = rehearsed(&task, seed);
         let (terms, solution) = (&found.observed.terms.terms, &found.solution);
         for (index, (term, value)) in terms.iter().zip(&values).enumerate() {
             let (error, name) = (solution.standard_errors[index], term.name());
@@ -150,6 +175,47 @@ fn angles_come_back() {
     }
     println!("{within} of {all} terms within 1.96 standard errors");
     assert!(within as f64 > 0.9 * f64::from(all), "{within} of {all}");
+}
+
+/// Balls 20 µm off their certificate are off along the plate's own directions, flat and upright: what is left of the touches
+/// is the probe's scatter of 1 µm.
+#[test]
+fn balls_are_off_along_the_directions_of_their_plate() {
+    let text = HEAD.replace("uncertainty_um = 0.3\nuncertainty_ppm", "uncertainty_um = 20.0\nuncertainty_ppm");
+    let place = |(at, normal, stylus): &At| {
+        format!("[[artefact.place]]\nat_mm = {at:?}\nnormal = \"{normal}\"\nstylus_mm = {stylus:?}\n")
+    };
+    let text = text + &[0, 3, 5].map(|k| place(&PLACES[k])).concat();
+    let task = Task::read(&text, Path::new("task.toml")).unwrap_or_else(|error| panic!("{error}"));
+    let sigma_mm = rehearsed(&task, 1).found.solution.sigma_mm;
+    assert!((0.8e-3..1.2e-3).contains(&sigma_mm), "{sigma_mm}");
+}
+
+/// The probe scatters along its travel, also where it touches a ball at an angle of 45°.
+#[test]
+fn oblique_touches_scatter_like_the_others() {
+    const REPEATS: usize = 8;
+    let quick = format!("probe_feed_mm_per_min = 300.0\nfeed_mm_per_min = 5000.0\nrepeats = {REPEATS}");
+    let text = HEAD.replace("repeats = 1", &quick).replace("every = 100", "every = 20");
+    let place = |(at, normal, stylus): &At| {
+        format!("[[artefact.place]]\nat_mm = {at:?}\nnormal = \"{normal}\"\nstylus_mm = {stylus:?}\n")
+    };
+    let text = text.replace("angular_degree = 2", "").replace("_degree = 3", "_degree = 1") + &place(&PLACES[0]);
+    let task = Task::read(&text, Path::new("task.toml")).unwrap_or_else(|error| panic!("{error}"));
+    let plan = Plan::new(&task, &perfect(&random_machine(1, &Class::MILL))).unwrap();
+    let residuals = rehearsed(&task, 1).found.solution.residuals_mm;
+    let of_ball = plan.touches.iter().zip(residuals).filter(|(touch, _)| {
+        let visit = &plan.visits[touch.visit];
+        touch.artefact == 0 && !visit.reference
+    });
+    let of_ball: Vec<f64> = of_ball.map(|(_, residual)| 1e3 * residual).collect();
+    // Thirteen points towards the middle of the ball, sixteen along one axis.
+    assert_eq!(of_ball.len(), (13 + 16) * REPEATS);
+    let (radial, oblique) = of_ball.split_at(13 * REPEATS);
+    for touches in [radial, oblique] {
+        let rms = (touches.iter().map(|um| um * um).sum::<f64>() / touches.len() as f64).sqrt();
+        assert!((0.85..1.15).contains(&rms), "{rms} µm");
+    }
 }
 
 /// With one length, a turn of Z about Y and a straightness of Z are one: the plan says so, and what would separate them.

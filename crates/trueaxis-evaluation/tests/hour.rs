@@ -5,13 +5,17 @@ use super::angular::rehearsed;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
-use trueaxis_evaluation::calibrate::{Chosen, Task, chosen, perfect};
-use trueaxis_evaluation::simulated::calibration::{Conditions, TaskText, run};
-use trueaxis_sim::calibration::{Class, random_machine, volumetric};
+use trueaxis::Axis;
+use trueaxis_evaluation::calibrate::{Calibration, Chosen, Task, chosen, perfect};
+use trueaxis_evaluation::simulated::calibration::{Conditions, FiveAxes, TaskText, compared, run};
+use trueaxis_sim::calibration::{Class, random_five_axis, random_machine, volumetric};
 use trueaxis_tables::Machine;
+use trueaxis_tables::files::Memory;
+use trueaxis_tables::formats::machine_files;
 use trueaxis_testing::share::share;
 
 const HOUR: &str = include_str!("../../../records/probing/hour.toml");
+const HOUR_5_AXES: &str = include_str!("../../../records/probing/hour-5axis.toml");
 
 /// Angular errors of 10 µrad beside those of a mill in use.
 const CLASS: Class = Class { angle: 10e-6, ..Class::MILL };
@@ -38,18 +42,51 @@ fn plans(seeds: std::ops::RangeInclusive<u64>) -> BTreeMap<String, Chosen> {
     plans
 }
 
-/// Share of the volumetric error that the calibration of a machine removes, drift, lobes and misplaced artefacts included, and
-/// how many terms of another machine, whose errors are the terms, are within ±1.96 standard errors.
-fn calibrated(plan: &Chosen, seed: u64) -> (f64, [usize; 2]) {
+/// What one machine gives.
+struct Figures {
+    /// Share of the volumetric error that its calibration removes, drift, lobes and misplaced artefacts included.
+    removed: f64,
+    /// Another machine, whose errors are the terms: standard errors by which each is off, by kind.
+    off: Vec<(&'static str, f64)>,
+    /// Its error after the calibration, µm.
+    after_um: f64,
+}
+
+/// The machine's files after a calibration.
+fn corrected(task: &Task, found: &Calibration, nominal: &Machine) -> Machine {
+    let files = machine_files(nominal, "");
+    let edited = found.additions(task).edit(&Memory::new(files.clone()), Path::new("machine.toml")).unwrap();
+    let all = files.into_iter().map(|(name, text)| (name.into(), text)).chain(edited.files);
+    Machine::read_from(&Memory::new(all), Path::new("machine.toml"), &mut |_| {}).unwrap()
+}
+
+fn calibrated(plan: &Chosen, seed: u64) -> Figures {
     let truth = machine(seed);
     let text = TaskText { file: Path::new("hour.toml"), text: &plan.task };
     let done = run(text, &truth, seed, &Conditions::SHOP).unwrap_or_else(|error| panic!("{error:#}"));
     let [before, after] = volumetric(&truth, &done.known).unwrap();
     let task = Task::read(&plan.task, Path::new("hour.toml")).unwrap();
-    let (values, found) = rehearsed(&task, seed);
-    let solution = &found.solution;
-    let off = |k: usize| (solution.values[k] - values[k]).abs() / solution.standard_errors[k];
-    (1.0 - after.rms / before.rms, [(0..values.len()).filter(|k| off(*k) < 1.96).count(), values.len()])
+    let drawn = rehearsed(&task, seed);
+    let mut of_terms = drawn.truth.clone();
+    of_terms.settings.tool_mm = truth.settings.tool_mm;
+    let known = corrected(&task, &drawn.found, &perfect(&of_terms));
+    let [_, left] = volumetric(&of_terms, &known).unwrap();
+    Figures { removed: 1.0 - after.rms / before.rms, off: drawn.off().collect(), after_um: left.rms }
+}
+
+/// Share of values within ±1.96 standard errors, and their root mean square, overall and by kind.
+fn shares(all: &[Figures]) -> BTreeMap<&'static str, [f64; 3]> {
+    let mut sums: BTreeMap<&'static str, [f64; 3]> = BTreeMap::new();
+    for (kind, off) in all.iter().flat_map(|one| &one.off) {
+        for name in ["all", kind] {
+            let sum = sums.entry(name).or_default();
+            let own = [1.0, f64::from(u8::from(off.abs() < 1.96)), off * off];
+            (0..3).for_each(|k| sum[k] += own[k]);
+        }
+    }
+    sums.into_iter()
+        .map(|(kind, [count, within, squares])| (kind, [count, within / count, (squares / count).sqrt()]))
+        .collect()
 }
 
 #[test]
@@ -57,7 +94,14 @@ fn an_hour_removes_most_of_the_error() {
     // A tenth of the machines would take too long.
     let is_full = share(200) == 200;
     let count = if is_full { 200 } else { 2 };
-    let plans = plans(1..=count);
+    // The search was tuned on machines 1 to 200.
+    for first in [1, 1001].into_iter().take(if is_full { 2 } else { 1 }) {
+        an_hour(first..=first + count - 1, is_full);
+    }
+}
+
+fn an_hour(seeds: std::ops::RangeInclusive<u64>, is_full: bool) {
+    let plans = plans(seeds.clone());
     for (chain, plan) in &plans {
         let found = &plan.document;
         println!("{chain}: {}", found.shown().join("\n"));
@@ -66,21 +110,79 @@ fn an_hour_removes_most_of_the_error() {
         // A stylus along Z does not move by the roll of Z.
         assert!(found.unseen.iter().any(|term| term == "ECZ"), "{:?}", found.unseen);
     }
-    let one = |seed: u64| calibrated(&plans[machine(seed).settings.chain.as_str()], seed);
-    let all: Vec<(f64, [usize; 2])> = (1..=count).into_par_iter().map(one).collect();
-    let mut removed: Vec<f64> = all.iter().map(|(removed, _)| *removed).collect();
+    let plan = |seed: u64| &plans[machine(seed).settings.chain.as_str()];
+    let all: Vec<Figures> = seeds.clone().into_par_iter().map(|seed| calibrated(plan(seed), seed)).collect();
+    let mut removed: Vec<f64> = all.iter().map(|one| one.removed).collect();
     removed.sort_by(f64::total_cmp);
-    let [within, terms] = [0, 1].map(|k| all.iter().map(|(_, terms)| terms[k]).sum::<usize>() as f64);
     let median = removed[removed.len() / 2];
-    println!(
-        "removed: median {median:.3}, least {:.3} of {count}; within: {:.4} of {terms}",
-        removed[0],
-        within / terms
-    );
+    let rms = |values: &mut dyn Iterator<Item = f64>| {
+        let (sum, count) = values.fold((0.0, 0.0), |(sum, count), um| (sum + um * um, count + 1.0));
+        f64::sqrt(sum / count)
+    };
+    let reached = rms(&mut all.iter().map(|one| one.after_um));
+    let expected = rms(&mut seeds.clone().map(|seed| plan(seed).document.after_um));
+    let shares = shares(&all);
+    println!("machines {seeds:?}: removed: median {median:.3}, least {:.3}", removed[0]);
+    println!("machines of the terms: {reached:.3} µm left, {expected:.3} expected");
+    for (kind, [count, within, off]) in &shares {
+        println!("{kind}: {count} values, {within:.4} within, {off:.3} standard errors (RMS)");
+    }
     assert!(removed[0] > 0.0, "made worse");
-    // Two machines are no median. 0.934 are within, not 0.95: the bands are somewhat narrow, for a reason not yet found.
-    let [least, share] = if is_full { [0.8, 0.925] } else { [0.6, 0.88] };
-    assert!(median > least && within / terms > share, "{median}, {}", within / terms);
+    // Two machines are no median.
+    assert!(median > if is_full { 0.8 } else { 0.6 }, "{median}");
+    let [least, most] = if is_full { [0.94, 0.96] } else { [0.9, 1.0] };
+    assert!((least..=most).contains(&shares["all"][1]), "{shares:?}");
+    // Of lost motion there are 600 values.
+    let is_near = |[_, _, off]: &[f64; 3]| (off - 1.0).abs() < 0.1;
+    assert!(!is_full || shares.values().all(is_near), "{shares:?}");
+    let off = if is_full { 0.1 } else { 0.3 };
+    assert!((reached / expected - 1.0).abs() < off, "{reached} µm left, {expected} expected");
+}
+
+/// A trunnion machine with a tool of 120 mm, above whose table the nose of the spindle stays.
+fn five_axes(seed: u64) -> Machine {
+    let mut machine = random_five_axis(seed, &CLASS);
+    machine.settings.tool_mm = [0.0, 0.0, -120.0];
+    for own in machine.settings.axes.iter_mut().filter(|own| own.axis == Axis::A) {
+        own.offset_mm[2] = -370.0;
+    }
+    machine
+}
+
+/// In the same hour the centre lines of a trunnion machine.
+#[test]
+fn an_hour_finds_centre_lines() {
+    let is_full = share(50) == 50;
+    let count = if is_full { 50 } else { 1 };
+    let file = Path::new("hour-5axis.toml");
+    let plan = planned(HOUR_5_AXES, &perfect(&five_axes(1)), 60.0).unwrap_or_else(|error| panic!("{error}"));
+    let found = &plan.document;
+    println!("{}", found.shown().join("\n"));
+    assert!(found.minutes <= 60.0, "{found:?}");
+    let letters: String = found.centre_lines.iter().map(|line| line.axis).collect();
+    assert!(letters == "AC" && found.centre_lines.iter().all(|line| line.place_um < 1.5), "{found:?}");
+    let one = |seed: u64| {
+        let truth = five_axes(seed);
+        let text = TaskText { file, text: &plan.task };
+        let done = run(text, &truth, seed, &Conditions::SHOP).unwrap_or_else(|error| panic!("{seed}: {error:#}"));
+        let [before, after] = volumetric(&truth, &done.known).unwrap();
+        (compared(seed, &truth, &done.known).unwrap(), 1.0 - after.rms / before.rms)
+    };
+    let seeds: Vec<u64> = (1..=count).chain(1001..1001 + if is_full { count } else { 0 }).collect();
+    let all: Vec<(FiveAxes, f64)> = seeds.into_par_iter().map(one).collect();
+    let sorted = |of: fn(&(FiveAxes, f64)) -> f64| {
+        let mut values: Vec<f64> = all.iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        [values[0], values[values.len() / 2], values[values.len() * 9 / 10], values[values.len() - 1]]
+    };
+    let place = sorted(|(lines, _)| lines.place_um);
+    let removed = sorted(|(_, removed)| *removed);
+    let within = all.iter().filter(|(lines, _)| lines.place_um <= 1.5).count();
+    println!("{} machines, {within} with every line within 1.5 µm", all.len());
+    println!("place of the worst line: least, median, nine tenths, largest: {place:.2?} µm");
+    println!("tilt: {:.2?} µrad", sorted(|(lines, _)| lines.tilt_urad));
+    println!("removed with the rotary axes at zero: {removed:.3?}");
+    assert!(place[1] < 1.5 && place[3] < if is_full { 4.0 } else { 3.0 } && removed[0] > 0.0);
 }
 
 /// A smaller plate and fewer terms.

@@ -56,7 +56,7 @@ fn a_bore_alone_cannot_separate_scale_and_tip() {
         let (sin, cos) = (f64::from(k) * 0.4).sin_cos();
         let tip_mm = [22.0 * cos, 22.0 * sin, 0.0];
         let surface = Surface::Bore { diameter: 2, centre: 3, plane: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] };
-        Touch { tip_mm, surface, response: vec![tip_mm], drift: Vec::new(), own_tip: None }
+        Touch { tip_mm, surface, response: vec![tip_mm], drift: Vec::new(), own_tip: None, weight: 1.0 }
     };
     let network = Network { unknowns, terms: 1, tip: 1, touches: (0..16).map(touch).collect(), repeatability_mm: 1e-3 };
     match network.solve() {
@@ -107,6 +107,7 @@ fn residuals_are_divided_by_the_degrees_of_freedom() {
                     response: vec![[tip_mm[0], 0.0, 0.0]],
                     drift: Vec::new(),
                     own_tip: None,
+                    weight: 1.0,
                 });
             }
         }
@@ -141,6 +142,7 @@ fn a_tilted_plate_keeps_its_length() {
                 response: vec![[tip_mm[0], 0.0, 0.0]],
                 drift: Vec::new(),
                 own_tip: None,
+                weight: 1.0,
             });
         }
     }
@@ -189,6 +191,7 @@ fn a_turned_plate_of_unknown_places_shows_the_skew_of_a_machine() {
                     response: vec![[-tip_mm[1], 0.0, 0.0]],
                     drift: Vec::new(),
                     own_tip: None,
+                    weight: 1.0,
                 });
             }
         }

@@ -27,6 +27,8 @@ pub enum Kind {
     Ball {
         /// Diameter, mm.
         diameter_mm: f64,
+        /// Whether it is touched in five points instead of all, at every pose.
+        few: bool,
     },
     /// Balls on a plate.
     Plate {
@@ -79,6 +81,10 @@ pub struct Artefact {
 }
 
 impl Artefact {
+    pub(super) fn is_ball(&self) -> bool {
+        matches!(self.kind, Kind::Ball { .. })
+    }
+
     fn block(&self) -> Option<&Block> {
         match &self.kind {
             Kind::Block(block) => Some(block),
@@ -118,19 +124,14 @@ pub(super) fn read_artefact(section: Section<'_>, before: &[Artefact], is_open: 
             }
             Kind::Ring { diameter_mm: diameter()?, points, arc_deg: arc.map_or([0.0, 360.0], |arc| arc.value) }
         }
-        "ball" => Kind::Ball { diameter_mm: diameter()? },
+        "ball" => Kind::Ball { diameter_mm: diameter()?, few: few_points(&section)? },
         "ball plate" => {
             let balls = section.lists::<3>("balls_mm")?;
             let balls = balls.ok_or_else(|| section.missing_here("balls_mm", "the centres of its balls, mm"))?;
             if !(3..=100).contains(&balls.value.len()) || balls.value.first() != Some(&[0.0; 3]) {
                 return Err(section.wrong(&balls, "3 to 100 centres, the first of them [0, 0, 0]"));
             }
-            let points = whole(&section, "points", [5, 13])?.unwrap_or(13);
-            if points != 5 && points != 13 {
-                let needed = "5 touches of every ball, around it and on top, or all 13";
-                return Err(section.at(line, "points", &points.to_string(), needed));
-            }
-            Kind::Plate { diameter_mm: diameter()?, balls_mm: balls.value, few: points == 5 }
+            Kind::Plate { diameter_mm: diameter()?, balls_mm: balls.value, few: few_points(&section)? }
         }
         "step gauge" => {
             let steps = section.list("steps_mm")?;
@@ -179,6 +180,16 @@ pub(super) fn read_artefact(section: Section<'_>, before: &[Artefact], is_open: 
     let places = places.into_iter().map(|place| read_place(place, &shape)).collect::<Result<_, _>>()?;
     section.finish(None)?;
     Ok(Artefact { name, kind: shape, uncertainty, length_uncertainty, tolerance_mm, places, line })
+}
+
+/// Reads whether a ball is touched in five points instead of all.
+fn few_points(section: &Section<'_>) -> Result<bool, FileError> {
+    match section.number("points")? {
+        Some(found) if found.value != 5.0 && found.value != 13.0 => {
+            Err(section.wrong(&found, "5 touches of every ball, around it and on top, or all 13"))
+        }
+        found => Ok(found.is_some_and(|found| found.value == 5.0)),
+    }
 }
 
 /// Reads a set-up with a dial indicator, an artefact without places.

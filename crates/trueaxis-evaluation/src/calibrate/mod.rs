@@ -42,7 +42,7 @@ mod wishes;
 
 pub use artefact::{Artefact, Kind};
 pub use block::{ANGLES, Block, directions};
-pub use chosen::{Choice, Chosen, ChosenDocument, chosen};
+pub use chosen::{CentreLine, Choice, Chosen, ChosenDocument, chosen};
 pub use dial::{Dial, DialKind, Reading};
 pub use document::{CalibrationDocument, Drift, Size, SolvedTerm};
 pub use figures::{Residuals, residuals};

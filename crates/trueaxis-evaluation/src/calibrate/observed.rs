@@ -21,6 +21,11 @@ use trueaxis_metrology::calibration::{Network, Part, Surface, Touch, Unknown};
 use trueaxis_tables::Machine;
 use trueaxis_tables::exact::Geometry;
 
+/// Cosine between the travel of a touch and the normal of its surface: within this of 1 it is touched at right angles, and
+/// least one that counts.
+const RIGHT: f64 = 1e-4;
+const LEAST: f64 = 0.1;
+
 /// A network with the meaning of its unknowns.
 #[derive(Clone, Debug)]
 pub struct Observed {
@@ -184,19 +189,26 @@ pub fn observe_terms(
     let own_knots = |stylus: usize| knots.iter().filter(move |knot| knot.stylus == stylus);
     let knots_of: Vec<Vec<Knot>> = (0..styli.len()).map(|stylus| own_knots(stylus).copied().collect()).collect();
     let is_reference = |touch: &Planned| plan.visits.get(touch.visit).is_some_and(|visit| visit.reference);
-    let touches =
-        plan.touches.iter().zip(tip_mm).zip(responses).zip(&of_touch).map(|(((touch, tip_mm), response), &stylus)| {
+    let nominal = plan.nominal(&task.probe);
+    let unknowns = &names.unknowns;
+    let touches = plan.touches.iter().zip(&nominal).zip(tip_mm).zip(responses).zip(&of_touch).map(
+        |((((touch, nominal), tip_mm), response), &stylus)| {
+            let surface = artefacts.surface(task, touch, is_reference(touch).then_some(stylus));
+            let tip = |position: &[f64; AXES]| ideals[stylus].tip(position);
+            let weight = along_travel(&surface, unknowns, tip(nominal), [&touch.start, &touch.end].map(tip));
             Touch {
                 tip_mm: {
                     let contact = contact(task, touch);
                     std::array::from_fn(|k| tip_mm[k] + contact[k])
                 },
-                surface: artefacts.surface(task, touch, is_reference(touch).then_some(stylus)),
+                surface,
                 response,
                 drift: between(&knots_of[stylus], touch.time_s),
                 own_tip: (stylus > 0).then(|| tips[stylus]),
+                weight,
             }
-        });
+        },
+    );
     let (touches, planned, opposites) = middles(plan, touches.collect());
     let network = Network {
         touches,
@@ -221,6 +233,25 @@ pub fn observe_terms(
         places,
         knots: knots.iter().map(|knot| (knot.time_s, knot.first)).collect(),
     })
+}
+
+/// Way along the travel of a planned touch for a way of 1 across the surface.
+fn along_travel(surface: &Surface, unknowns: &[Unknown], at: [f64; 3], [from, to]: [[f64; 3]; 2]) -> f64 {
+    let start = |index: usize| unknowns.get(index).map_or(0.0, |unknown| unknown.start);
+    let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
+    let normal: [f64; 3] = match surface {
+        Surface::Ball { origin, offset, .. } => std::array::from_fn(|k| at[k] - start(origin + k) - offset[k]),
+        Surface::Bore { centre, plane, .. } => {
+            let from = [0, 1].map(|k| dot(at, plane[k]) - start(centre + k));
+            std::array::from_fn(|k| from[0] * plane[0][k] + from[1] * plane[1][k])
+        }
+        Surface::Face { normal, .. } => *normal,
+        Surface::Centre(_) => return 1.0,
+    };
+    let travel = std::array::from_fn(|k| to[k] - from[k]);
+    let cosine = dot(normal, travel).abs() / (dot(normal, normal) * dot(travel, travel)).sqrt();
+    // Exactly 1 at right angles, for a reading of a dial, which does not travel, too.
+    if cosine < 1.0 - RIGHT { 1.0 / cosine.max(LEAST) } else { 1.0 }
 }
 
 /// A visit to the reference.
@@ -338,7 +369,7 @@ impl Artefacts {
         let mut own = 0..0;
         let mut block = Sizes::default();
         let sizes = match &artefact.kind {
-            Kind::Ring { diameter_mm, .. } | Kind::Ball { diameter_mm } => {
+            Kind::Ring { diameter_mm, .. } | Kind::Ball { diameter_mm, .. } => {
                 vec![names.put(format!("diameter of {name}"), *diameter_mm, uncertainty)]
             }
             Kind::Plate { diameter_mm, balls_mm, .. } => {
@@ -416,7 +447,9 @@ impl Artefacts {
                 let normal = unit(at.normal);
                 let [a, b, c] = balls_mm.get(feature).copied().unwrap_or_default();
                 let offset = std::array::from_fn(|k| a * u[k] + b * v[k] + c * normal[k]);
-                let own = Some(own + 3 * feature);
+                // A ball is off its place along the plate's directions, which lie along other axes when the plate stands.
+                let along = |k: usize| [u, v, normal].iter().position(|direction| direction[k] != 0.0).unwrap_or(k);
+                let own = Some([0, 1, 2].map(|k| own + 3 * feature + along(k)));
                 let length = self.lengths[artefact];
                 Surface::Ball { diameter: size, origin: first, offset, turn: Some(first + 3), own, length }
             }

@@ -190,6 +190,7 @@ fn fit_size_from_one_place(observed: &Observed, touches: &[usize], size: usize) 
         response: Vec::new(),
         drift: Vec::new(),
         own_tip: None,
+        weight: touch.weight,
     });
     let repeatability_mm = network.repeatability_mm;
     let one_place = Network { unknowns, terms: 0, tip, touches: touches.collect(), repeatability_mm };

@@ -386,9 +386,10 @@ fn read_wanted(section: Section<'_>, task: &Task) -> Result<Wanted, FileError> {
         }
     }
     let angle = whole(&section, "angular_degree", [0, 8])?;
-    if angle.is_some_and(|degree| degree > 0) && (task.is_read() || task.plate().is_some()) {
-        let needed = "0: roll, pitch and yaw are determined by touches on certified artefacts";
-        return Err(section.at(section.first_line(), "angular_degree", &angle.unwrap_or(0).to_string(), needed));
+    if let Some(found) = section.number("angular_degree")?.filter(|degree| degree.value > 0.0)
+        && (task.is_read() || task.plate().is_some())
+    {
+        return Err(section.wrong(&found, "0: roll, pitch and yaw are determined by touches on certified artefacts"));
     }
     let range = number(&section, "angular_range_urad", [0.01, 1e4], " urad")?.map(|urad| 1e-6 * urad);
     let curve_range = section.number("curve_range_um")?;

@@ -36,7 +36,7 @@ pub(super) fn of_place(task: &Task, ideal: &Ideal, of: &Artefact, at: &Place, ch
         Kind::Ring { diameter_mm, points, arc_deg } => {
             ring(task, at, 0.5 * diameter_mm - radius, *points, *arc_deg, backlash)
         }
-        Kind::Ball { diameter_mm } => {
+        Kind::Ball { diameter_mm, few } => {
             let poses = if check_only { &at.rotary_deg[..1] } else { &at.rotary_deg[..] };
             let [x, y, z] = at.at_mm;
             let workpiece = ideal.tip(&[x, y, z, 0.0, 0.0, 0.0]);
@@ -47,7 +47,7 @@ pub(super) fn of_place(task: &Task, ideal: &Ideal, of: &Artefact, at: &Place, ch
                 let tool = ideal.tool(&position);
                 let centre = [position[0], position[1], position[2]];
                 let ball = BallAt { feature, centre, stem, tool, pose: [a, b, c], reach: 0.5 * diameter_mm + radius };
-                targets.extend(ball.targets(task, check_only, backlash && feature == 0 && poses.len() == 1));
+                targets.extend(ball.targets(task, check_only || *few, backlash && feature == 0 && poses.len() == 1));
             }
             targets
         }

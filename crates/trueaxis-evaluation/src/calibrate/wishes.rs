@@ -22,6 +22,8 @@ pub struct Wishes {
     /// Standard deviations before anything is measured: squareness, rad; scale, 1; straightness and positioning, mm; lost
     /// motion, mm.
     pub ranges: [f64; 4],
+    /// Lowest and highest angle of A and B at which a ball on the table may be touched, degrees.
+    pub tilts_deg: [f64; 2],
     /// Line in the task file.
     pub line: u32,
 }
@@ -35,6 +37,7 @@ impl Default for Wishes {
             set_up_minutes: 3.0,
             tools_mm: Vec::new(),
             ranges: [50e-6, 50e-6, 3e-3, 5e-3],
+            tilts_deg: [-30.0, 30.0],
             line: 0,
         }
     }
@@ -73,15 +76,7 @@ pub(super) fn read_wishes(section: Section<'_>) -> Result<Wishes, FileError> {
         let all: Option<Vec<Axis>> = found.value.iter().map(axis).collect();
         match all.filter(|all| !all.is_empty()) {
             Some(all) => wishes.normals = all,
-            None => {
-                let line = section.first_line();
-                return Err(section.at(
-                    line,
-                    "normals",
-                    &format!("{:?}", found.value),
-                    "a list of \"X\", \"Y\", \"Z\"",
-                ));
-            }
+            None => return Err(section.wrong(&found, "a list of \"X\", \"Y\", \"Z\"")),
         }
     }
     if let Some(minutes) = number(&section, "set_up_minutes", [0.0, 600.0], " minutes")? {
@@ -92,6 +87,13 @@ pub(super) fn read_wishes(section: Section<'_>) -> Result<Wishes, FileError> {
             return Err(section.wrong(&found, "1 to 4 lengths of 0 to 2000 mm"));
         }
         wishes.tools_mm = found.value;
+    }
+    if let Some(found) = section.numbers::<2>("tilts_deg")? {
+        let [low, high] = found.value;
+        if !(-180.0..=0.0).contains(&low) || !(0.0..=180.0).contains(&high) {
+            return Err(section.wrong(&found, "lowest and highest angle of A and B, -180 to 0 and 0 to 180 degrees"));
+        }
+        wishes.tilts_deg = found.value;
     }
     let keys = [
         ("squareness_range_urad", 1e-6),

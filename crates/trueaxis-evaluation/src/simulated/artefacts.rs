@@ -116,7 +116,7 @@ impl Real {
         let longer = 1.0 + artefact.length_uncertainty.map_or(0.0, |uncertainty| uncertainty * normal());
         match &artefact.kind {
             Kind::Ring { diameter_mm, .. } => Real::Ring { diameter: diameter_mm + off * normal() },
-            Kind::Ball { diameter_mm } => Real::Ball { diameter: diameter_mm + off * normal() },
+            Kind::Ball { diameter_mm, .. } => Real::Ball { diameter: diameter_mm + off * normal() },
             Kind::Plate { diameter_mm, balls_mm, .. } => Real::Plate {
                 diameter: diameter_mm + off * normal(),
                 centres: balls_mm

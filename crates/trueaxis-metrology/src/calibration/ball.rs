@@ -52,6 +52,7 @@ pub fn fit_ball(
         response: Vec::new(),
         drift: Vec::new(),
         own_tip: None,
+        weight: 1.0,
     });
     let touches = touches.collect();
     let found = Network { unknowns, terms: 0, tip: 4, touches, repeatability_mm }.solve()?;

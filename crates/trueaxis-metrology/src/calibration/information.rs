@@ -106,6 +106,7 @@ mod tests {
             response: Vec::from([[x, 0.0, 0.0]]),
             drift: Vec::new(),
             own_tip: None,
+            weight: 1.0,
         };
         let network = Network {
             unknowns: Vec::from([unknown(None), unknown(Some(1e-6)), unknown(None)]),

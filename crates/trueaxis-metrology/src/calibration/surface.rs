@@ -35,8 +35,9 @@ pub enum Surface {
         offset: [f64; 3],
         /// Index of the first of three components of the artefact's rotation (axis times angle), rad.
         turn: Option<usize>,
-        /// Index of the first of three deviations of the ball's position, mm.
-        own: Option<usize>,
+        /// Indices of the deviations of the ball's position along X, Y and Z, mm: which of the artefact's own directions lie
+        /// there depends on how it is set up.
+        own: Option<[usize; 3]>,
         /// Index of the relative elongation of the whole artefact, 1.
         length: Option<usize>,
     },
@@ -88,6 +89,9 @@ pub struct Touch {
     pub drift: Vec<(usize, f64)>,
     /// Index of the radius of a tip other than the network's.
     pub own_tip: Option<usize>,
+    /// Way of the tip along its travel for a way of 1 across the surface: a probe scatters along its travel, which at an oblique
+    /// touch counts less across the surface. 1 where it is touched at right angles.
+    pub weight: f64,
 }
 
 /// Equation of a touch at the present values of the unknowns: the residual, mm, and its derivatives.
@@ -173,14 +177,14 @@ impl Touch {
                 let longer = 1.0 + length.map_or(0.0, of);
                 let mut centre: [f64; 3] = std::array::from_fn(|k| of(origin + k) + longer * [x, y, z][k]);
                 if let Some(own) = *own {
-                    (0..3).for_each(|k| centre[k] += of(own + k));
+                    (0..3).for_each(|k| centre[k] += of(own[k]));
                 }
                 let from: [f64; 3] = std::array::from_fn(|k| point[k] - centre[k]);
                 let distance = dot(from, from).sqrt().max(f64::MIN_POSITIVE);
                 let unit = from.map(|part| part / distance);
                 for k in 0..3 {
                     derivatives.push((origin + k, -unit[k]));
-                    derivatives.extend(own.map(|own| (own + k, -unit[k])));
+                    derivatives.extend(own.map(|own| (own[k], -unit[k])));
                 }
                 if let Some(turn) = *turn {
                     let [u, v, w] = unit;
@@ -214,6 +218,8 @@ impl Touch {
         for (knot, weight) in &self.drift {
             derivatives.extend((0..3).map(|k| (knot + k, -weight * gradient[k])));
         }
-        Row { residual, derivatives, across: gradient }
+        let weight = self.weight;
+        derivatives.iter_mut().for_each(|(_, derivative)| *derivative *= weight);
+        Row { residual: weight * residual, derivatives, across: gradient.map(|part| weight * part) }
     }
 }

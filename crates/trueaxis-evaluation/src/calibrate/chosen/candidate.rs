@@ -1,6 +1,7 @@
 //! The placements to choose from, with what each tells and how long it takes.
 
 use super::room::{Extent, Range, is_beside, lacking, positions};
+use super::turns::{patterns, turning};
 use crate::calibrate::artefact::{Artefact, Kind};
 use crate::calibrate::foreseen::planned;
 use crate::calibrate::kinematics::Ideal;
@@ -11,7 +12,7 @@ use crate::calibrate::stylus::{Stylus, moved, tool_mm, with_stylus};
 use crate::calibrate::task::Task;
 use crate::calibrate::terms::{Term, Terms, perfect};
 use anyhow::Result;
-use trueaxis::machine::Axis;
+use trueaxis::machine::{Axis, MachineSettings};
 use trueaxis_metrology::calibration::Information;
 use trueaxis_metrology::cores::*;
 use trueaxis_tables::Machine;
@@ -38,6 +39,8 @@ pub(super) struct Candidate {
     pub(super) minutes: f64,
     /// About the terms, the tips and the sizes of all artefacts.
     pub(super) information: Information,
+    /// Whether a solution has the term if this placement is in the task.
+    pub(super) spans: Vec<bool>,
 }
 
 impl Candidate {
@@ -45,6 +48,7 @@ impl Candidate {
     pub(super) fn facing(&self, task: &Task) -> String {
         let normal = self.place.normal.letter();
         match task.artefacts[self.artefact].kind {
+            Kind::Ball { .. } if self.place.rotary_deg.len() > 1 => self.turns(),
             Kind::Ball { .. } => String::from("-"),
             Kind::Gauge { .. } => format!("{}, facing {normal}", self.place.along.letter()),
             Kind::Square { .. } => {
@@ -53,6 +57,14 @@ impl Candidate {
             }
             _ => normal.to_string(),
         }
+    }
+
+    /// The poses of a ball in words.
+    fn turns(&self) -> String {
+        let poses = &self.place.rotary_deg;
+        let does_turn = |k: &usize| poses.iter().any(|pose| pose[*k] != 0.0);
+        let axes: String = (0..3).filter(does_turn).map(|k| ['A', 'B', 'C'][k]).collect();
+        format!("{axes}, {} poses", poses.len())
     }
 }
 
@@ -94,7 +106,18 @@ impl Known {
         let travel = LINEAR.map(|axis| machine.settings.axis(axis).map_or([0.0; 2], |own| own.travel));
         let of_balls = Terms::of(task, machine, travel).terms;
         terms.extend(of_balls.into_iter().filter(|term| matches!(term, Term::Location(..))));
+        for axis in turning(task, machine) {
+            let across = (0..6).filter(|component| component % 3 != axis.index() as u8 % 3);
+            let more: Vec<Term> = across.map(|component| Term::Location(axis, component)).collect();
+            terms.extend(more.into_iter().filter(|term| !terms.contains(term)).collect::<Vec<_>>());
+        }
         Ok(Known { terms: Terms::named(terms, machine, travel), styli })
+    }
+
+    /// The shortest of the styli, with which the free room is stated.
+    pub(super) fn shortest(&self, settings: &MachineSettings) -> Stylus {
+        let length = |stylus: &Stylus| tool_mm(settings, *stylus).map(|q| q * q).iter().sum::<f64>();
+        self.styli.iter().copied().min_by(|one, other| length(one).total_cmp(&length(other))).flatten()
     }
 
     /// Standard deviation of a term before anything is measured.
@@ -129,6 +152,7 @@ struct Told {
     place: Place,
     minutes: f64,
     local: Information,
+    spans: Vec<bool>,
     /// Ranges of the sizes, which follow the terms and the tip.
     sizes: Vec<f64>,
 }
@@ -183,7 +207,8 @@ pub(super) fn candidates(task: &Task, machine: &Machine, known: &Known, progress
         let own = sizes[told.artefact];
         let to: Vec<usize> = (0..tips).chain([tips + stylus]).chain(own..own + told.sizes.len()).collect();
         let information = told.local.spread(&to, ranges.len());
-        Candidate { artefact: told.artefact, place: told.place, minutes: told.minutes, information }
+        let Told { artefact, place, minutes, spans, .. } = told;
+        Candidate { artefact, place, minutes, information, spans }
     };
     let fixed: Vec<Candidate> = fixed.into_iter().map(whole).collect();
     let fixed_minutes = fixed.iter().map(|one| one.minutes).sum();
@@ -222,8 +247,10 @@ impl Work<'_> {
         let every = self.task.reference.as_ref().map_or(usize::MAX, |reference| reference.every.max(5));
         let count = plan.touches.len() / self.task.probe.repeats.max(1);
         let visits = 1.0 + count.div_ceil(every) as f64;
+        let spanned = Terms::of(&task, self.machine, plan.reach_mm(&task)).terms;
         Ok(Told {
             artefact,
+            spans: self.known.terms.terms.iter().map(|term| spanned.contains(term)).collect(),
             place: place.clone(),
             minutes: plan.minutes() + visits * self.reference_minutes + self.task.wishes.set_up_minutes,
             local: observed.network.information(&keep),
@@ -260,13 +287,14 @@ impl Work<'_> {
         let orientations = self.orientations(of).map_err(|(found, needed)| refuse(found, needed))?;
         for stylus in &self.known.styli {
             let ideal = Ideal::new(&with_stylus(self.machine, *stylus))?;
-            let [shortest, own] = [self.known.styli[0], *stylus].map(|stylus| tool_mm(settings, stylus));
+            let [shortest, own] = [self.known.shortest(settings), *stylus].map(|stylus| tool_mm(settings, stylus));
             let stated = self.task.wishes.free_mm.unwrap_or(travel);
             let free: Range = std::array::from_fn(|k| stated[k].map(|q| q + shortest[k] - own[k]));
             let fixed = self.fixed(&ideal, *stylus);
             for place in &orientations {
                 let place = Place { stylus_mm: *stylus, ..place.clone() };
-                let extent = Extent::new(self.task, &ideal, of, &place);
+                let still = Place { rotary_deg: vec![[0.0; 3]], ..place.clone() };
+                let extent = Extent::new(self.task, &ideal, of, &still);
                 let found = positions(&extent.room(&travel, &free), most);
                 if found.is_empty() && least.is_none() {
                     least = Some(lacking(self.task, &extent, &travel, &free));
@@ -274,7 +302,8 @@ impl Work<'_> {
                 let is_free = |at: &[f64; 3]| {
                     fixed.iter().all(|(other, there)| is_beside(self.task, (&extent, *at), (other, *there)))
                 };
-                all.extend(found.into_iter().filter(is_free).map(|at_mm| Place { at_mm, ..place.clone() }));
+                let at = found.into_iter().filter(is_free).map(|at_mm| Place { at_mm, ..place.clone() });
+                all.extend(at.filter_map(|place| self.within_reach(&ideal, of, &travel, place)));
             }
         }
         if all.is_empty() {
@@ -282,6 +311,20 @@ impl Work<'_> {
             return Err(refuse(format!("{}, which fits nowhere", of.name), &needed));
         }
         Ok(all)
+    }
+
+    /// A place with those of its poses that the machine reaches; `None` if it turns nothing.
+    fn within_reach(&self, ideal: &Ideal, of: &Artefact, travel: &Range, place: Place) -> Option<Place> {
+        if place.rotary_deg.len() == 1 {
+            return Some(place);
+        }
+        let is_reached = |pose: &[f64; 3]| {
+            let still = Place { rotary_deg: vec![*pose], ..place.clone() };
+            let ways = Extent::new(self.task, ideal, of, &still).ways;
+            (0..3).all(|k| ways[k][0] + place.at_mm[k] >= travel[k][0] && ways[k][1] + place.at_mm[k] <= travel[k][1])
+        };
+        let rotary_deg: Vec<[f64; 3]> = place.rotary_deg.iter().copied().filter(is_reached).collect();
+        (rotary_deg.len() > 1 && rotary_deg[0] == [0.0; 3]).then_some(Place { rotary_deg, ..place })
     }
 
     /// What stands on the table all the time.
@@ -316,7 +359,10 @@ impl Work<'_> {
             normals.iter().flat_map(move |normal| of_normal(*normal))
         };
         Ok(match of.kind {
-            Kind::Ball { .. } => vec![place(Axis::Z, Axis::X, false)],
+            Kind::Ball { .. } => {
+                let turned = |rotary_deg| Place { rotary_deg, ..place(Axis::Z, Axis::X, false) };
+                patterns(self.task, self.machine).into_iter().map(turned).collect()
+            }
             Kind::Ring { .. } | Kind::Plate { .. } => normals.iter().map(|n| place(*n, Axis::X, false)).collect(),
             Kind::Gauge { .. } => rows().map(|(normal, along)| place(normal, along, false)).collect(),
             Kind::Square { .. } => rows()

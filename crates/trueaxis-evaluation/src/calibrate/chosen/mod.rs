@@ -11,9 +11,11 @@
 //! the workpiece is set up. Drift enters the result, not the choice.
 
 mod candidate;
+mod lines;
 mod placed;
 mod room;
 mod search;
+mod turns;
 mod volume;
 
 use super::foreseen::{Planning, foresee};
@@ -23,6 +25,8 @@ use super::terms::{Term, Terms};
 use crate::shown::{Cell, Table};
 use anyhow::Result;
 use candidate::{Candidate, Known, candidates};
+pub use lines::CentreLine;
+use lines::centre_lines;
 use search::{Asked, choose};
 use serde::Serialize;
 use std::path::Path;
@@ -65,6 +69,8 @@ pub struct ChosenDocument {
     pub before_um: f64,
     /// The same after the task.
     pub after_um: f64,
+    /// Centre lines of the rotary axes of the table after the task.
+    pub centre_lines: Vec<CentreLine>,
     /// Terms that stay as they were assumed.
     pub unseen: Vec<String>,
     /// What else to know.
@@ -87,6 +93,12 @@ impl ChosenDocument {
             "error of the tip expected over the volume, RMS: {:.1} µm before, {:.1} µm after",
             self.before_um, self.after_um
         ));
+        for line in &self.centre_lines {
+            lines.push(format!(
+                "centre line of {}: standard error of its place {:.1} µm, of its tilt {:.1} µrad",
+                line.axis, line.place_um, line.tilt_urad
+            ));
+        }
         if !self.unseen.is_empty() {
             lines.push(format!("note: these stay as they were assumed: {}", self.unseen.join(", ")));
         }
@@ -124,7 +136,15 @@ pub fn chosen(
     let known = Known::new(&task, machine)?;
     let volume = Volume::new(&task, machine, &known.terms)?;
     let all = candidates(&task, machine, &known, &mut |share| progress(0.8 * share))?;
-    let asked = Asked { fixed: &all.fixed, candidates: &all.open, prior: &all.prior, volume: &volume, minutes };
+    let ranges: Vec<f64> = known.terms.terms.iter().map(|term| known.range(&task, *term)).collect();
+    let asked = Asked {
+        fixed: &all.fixed,
+        candidates: &all.open,
+        prior: &all.prior,
+        volume: &volume,
+        ranges: &ranges,
+        minutes,
+    };
     let shortest = all.open.iter().map(|one| one.minutes).fold(f64::INFINITY, f64::min);
     if all.fixed_minutes + shortest > minutes {
         let least = (all.fixed_minutes + shortest).ceil();
@@ -222,7 +242,7 @@ fn document(
     // The curves of the solution are those over the touched range.
     let touched = Terms { reach_mm: terms.reach_mm, ..known.terms.clone() };
     let after = Volume::new(open, machine, &touched)?;
-    let ranges: Vec<f64> = known.terms.terms.iter().map(|term| known.range(task, *term)).collect();
+    let ranges = asked.ranges;
     let mut covariance: Vec<Vec<f64>> = (0..ranges.len())
         .map(|i| (0..ranges.len()).map(|j| if i == j { ranges[i] * ranges[i] } else { 0.0 }).collect())
         .collect();
@@ -236,6 +256,7 @@ fn document(
     }
     let left = |k: usize| covariance[k][k] / (ranges[k] * ranges[k]);
     let unseen = unseen(&known.terms.terms, |k| left(k) > 1.0 - UNSEEN);
+    let centre_lines = centre_lines(open, machine, known.shortest(&machine.settings), &touched, &covariance)?;
     let mut notes = Vec::new();
     if task.wanted.angle == 0 {
         notes.push("roll, pitch and yaw are not among the terms: angular_degree in [solve]".to_owned());
@@ -272,8 +293,9 @@ fn document(
         compared: asked.candidates.len(),
         minutes,
         allowed_minutes: asked.minutes,
-        before_um: 1e3 * asked.volume.of_ranges(&ranges).sqrt(),
+        before_um: 1e3 * asked.volume.of_ranges(ranges).sqrt(),
         after_um: 1e3 * after.of(&covariance).sqrt(),
+        centre_lines,
         unseen,
         notes,
     })

@@ -4,7 +4,7 @@ use super::candidate::Candidate;
 use crate::calibrate::artefact::Kind;
 use crate::calibrate::task::Task;
 use anyhow::{Result, anyhow};
-use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
+use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, Value, value};
 use trueaxis::machine::Axis;
 
 /// The task with these places; comments, order and all other keys stay.
@@ -39,6 +39,10 @@ fn section(task: &Task, one: &Candidate) -> Table {
     }
     if matches!(kind, Kind::Gauge { .. } | Kind::Square { .. }) {
         table.insert("along", letter(place.along));
+    }
+    if place.rotary_deg.len() > 1 {
+        let pose = |angles: &[f64; 3]| Value::Array(angles.iter().copied().collect());
+        table.insert("rotary_deg", value(place.rotary_deg.iter().map(pose).collect::<Array>()));
     }
     if place.reversed {
         table.insert("reversed", value(true));

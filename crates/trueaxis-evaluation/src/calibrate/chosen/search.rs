@@ -19,6 +19,8 @@ pub(super) struct Asked<'a> {
     pub(super) candidates: &'a [Candidate],
     pub(super) prior: &'a Information,
     pub(super) volume: &'a Volume,
+    /// Standard deviations of the terms before anything is measured.
+    pub(super) ranges: &'a [f64],
     pub(super) minutes: f64,
 }
 
@@ -31,7 +33,15 @@ impl Asked<'_> {
     }
 
     fn left(&self, picked: &[usize]) -> f64 {
-        self.information(picked).variance(&self.volume.gram)
+        self.information(picked).variance(&self.volume.gram) + self.without(picked)
+    }
+
+    /// Variance by the terms that no placement brings into the solution: touches of others may tell of them, but it does not
+    /// have them.
+    fn without(&self, picked: &[usize]) -> f64 {
+        let all = || self.fixed.iter().chain(picked.iter().map(|k| &self.candidates[*k]));
+        let lacks = |k: &usize| !all().any(|one| one.spans[*k]);
+        (0..self.ranges.len()).filter(lacks).map(|k| self.volume.gram[k][k] * self.ranges[k] * self.ranges[k]).sum()
     }
 
     fn minutes(&self, picked: &[usize]) -> f64 {
@@ -48,7 +58,8 @@ impl Asked<'_> {
             }
             let mut sum = base.clone();
             sum.add(&one.information);
-            Some(sum.variance(&self.volume.gram))
+            let with: Vec<usize> = picked.iter().copied().chain([k]).collect();
+            Some(sum.variance(&self.volume.gram) + self.without(&with))
         };
         (0..self.candidates.len()).into_par_iter().map(with).collect()
     }

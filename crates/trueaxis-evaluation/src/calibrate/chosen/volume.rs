@@ -1,5 +1,6 @@
 //! The tip over the volume.
 
+use super::turns::{poses, turning};
 use crate::calibrate::kinematics::Ideal;
 use crate::calibrate::stylus::{Stylus, with_stylus};
 use crate::calibrate::task::Task;
@@ -8,8 +9,9 @@ use anyhow::Result;
 use trueaxis::machine::{AXES, Axis};
 use trueaxis_tables::Machine;
 
-/// Points along each axis.
-const POINTS: usize = 5;
+/// Points along each axis, and where rotary axes turn at each of them.
+const POINTS: usize = 7;
+const TURNED: usize = 4;
 
 /// Gram matrix of the tip's movements by the terms over the volume, without the best-fitting rigid motion, per point.
 pub(super) struct Volume {
@@ -17,15 +19,17 @@ pub(super) struct Volume {
 }
 
 impl Volume {
-    /// 5 × 5 × 5 points of the travels, in positive and in negative travel, rotary axes at zero.
+    /// 7 × 7 × 7 points of the travels, in positive and in negative travel, rotary axes at zero; where balls are turned,
+    /// 4 × 4 × 4 points with all combinations of their angles.
     pub(super) fn new(task: &Task, machine: &Machine, terms: &Terms) -> Result<Volume> {
         let mut tools: Vec<Stylus> = task.wishes.tools_mm.iter().copied().map(Some).collect();
         if tools.is_empty() {
             tools.push(None);
         }
         let mut gram = vec![vec![0.0; terms.terms.len()]; terms.terms.len()];
+        let turns = poses(task, machine, &turning(task, machine));
         for tool in &tools {
-            let own = with_tool(&with_stylus(&perfect(machine), *tool), terms)?;
+            let own = with_tool(&with_stylus(&perfect(machine), *tool), terms, &turns)?;
             for (sum, row) in gram.iter_mut().flatten().zip(own.into_iter().flatten()) {
                 *sum += row / tools.len() as f64;
             }
@@ -45,19 +49,23 @@ impl Volume {
 }
 
 /// Gram matrix of the tip's movements by the terms.
-fn with_tool(machine: &Machine, terms: &Terms) -> Result<Vec<Vec<f64>>> {
+fn with_tool(machine: &Machine, terms: &Terms, turns: &[[f64; 3]]) -> Result<Vec<Vec<f64>>> {
     let ideal = Ideal::new(machine)?;
     let travel = [Axis::X, Axis::Y, Axis::Z].map(|axis| machine.settings.axis(axis).map_or([0.0; 2], |own| own.travel));
+    let points = if turns.len() > 1 { TURNED } else { POINTS };
     let mut poses = Vec::new();
-    for index in 0..POINTS.pow(3) {
+    for index in 0..points.pow(3) {
         let mut position = [0.0; AXES];
         for k in 0..3 {
-            let share = (index / POINTS.pow(k as u32) % POINTS) as f64 / (POINTS - 1) as f64;
+            let share = (index / points.pow(k as u32) % points) as f64 / (points - 1) as f64;
             position[k] = travel[k][0] + share * (travel[k][1] - travel[k][0]);
         }
-        for side in [0.0, 1.0] {
-            let reverse = ideal.ordered(&[side, side, side, 0.0, 0.0, 0.0]);
-            poses.push((ideal.tip(&position), Pose { position: ideal.ordered(&position), reverse }));
+        for turn in turns {
+            position[3..].copy_from_slice(turn);
+            for side in [0.0, 1.0] {
+                let reverse = ideal.ordered(&[side, side, side, 0.0, 0.0, 0.0]);
+                poses.push((ideal.tip(&position), Pose { position: ideal.ordered(&position), reverse }));
+            }
         }
     }
     let only: Vec<Pose> = poses.iter().map(|(_, pose)| *pose).collect();
@@ -77,7 +85,7 @@ fn with_tool(machine: &Machine, terms: &Terms) -> Result<Vec<Vec<f64>>> {
     Ok(columns.iter().map(row).collect())
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

@@ -44,7 +44,15 @@ pub fn five_axes<'t>(
 ) -> Result<FiveAxes> {
     let truth = random_five_axis(seed, class);
     let calibrated = run(task, &truth, seed, conditions)?;
-    let (there, known) = (centre_lines(&truth)?, centre_lines(&calibrated.known)?);
+    compared(seed, &truth, &calibrated.known)
+}
+
+/// Centre lines of a machine as its files describe it, against the true ones.
+///
+/// # Errors
+/// A machine whose chain cannot be read.
+pub fn compared(seed: u64, truth: &Machine, known: &Machine) -> Result<FiveAxes> {
+    let (there, known) = (centre_lines(truth)?, centre_lines(known)?);
     let mut outcome = FiveAxes { seed, place_um: 0.0, tilt_urad: 0.0, true_um_urad: [0.0; 2] };
     for (there, known) in there.iter().zip(&known) {
         let away: [f64; 2] = std::array::from_fn(|k| (known[k] - there[k]).abs());
@@ -74,7 +82,8 @@ fn centre_lines(machine: &Machine) -> Result<Vec<[f64; 2]>> {
             .map(|s| {
                 let mut position = [0.0; AXES];
                 for (k, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
-                    position[slot(axis)] = crossing[k] + if k == along { *s } else { 0.0 };
+                    position[slot(axis)] =
+                        crossing[k] - machine.settings.tool_mm[k] + if k == along { *s } else { 0.0 };
                 }
                 let mut error = |degrees: f64| {
                     position[slot(rotary)] = degrees;

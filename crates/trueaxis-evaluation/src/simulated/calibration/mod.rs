@@ -13,7 +13,7 @@ mod refused;
 mod summary;
 mod tasks;
 
-pub use five_axes::{FiveAxes, five_axes};
+pub use five_axes::{FiveAxes, compared, five_axes};
 pub use refused::RefusedMachine;
 pub use summary::{Machines, Summary, all, summary};
 pub use tasks::{BALL_PLATE, FIVE_AXES, GAUGE_AND_SQUARE, MILL, TaskText};
