@@ -248,6 +248,11 @@ pub(super) fn rounded(value: f64, scale: f64) -> f64 {
     (value * scale * STEPS).round() / STEPS / scale + 0.0
 }
 
+/// An angle in the steps in which files store it.
+pub(super) fn rounded_urad(rad: f64) -> f64 {
+    rounded(rad, 1e6)
+}
+
 /// A machine with the errors as its tables of X, Y, Z and its squareness.
 fn filled(machine: &Machine, basis: &Basis, errors: &VolumetricFit) -> Machine {
     let mut machine = machine.clone();

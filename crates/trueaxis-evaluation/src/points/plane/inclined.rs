@@ -4,10 +4,10 @@
 //! the strains along two perpendicular directions and the shear between them; the rotation is the plate's. A term is determined
 //! if a sum of the three is this term alone.
 
-use super::lie::SET_UP;
 use super::model::Fitted;
-use super::{LINEAR, PlaneFit};
+use super::{LINEAR, PlaneFit, SET_UP};
 use crate::points::Points;
+use crate::points::found::{range, rounded, rounded_urad};
 use anyhow::{Result, bail};
 use trueaxis::glam::DVec3;
 use trueaxis::machine::Row;
@@ -120,13 +120,13 @@ pub(super) fn added(machine: &Machine, found: &[Term], points: &Points) -> (Mach
     for term in found {
         let location = &mut machine.settings.location;
         match term.number {
-            3 => location.a0z = super::machine::rounded_urad(location.a0z + term.value),
-            4 => location.b0z = super::machine::rounded_urad(location.b0z + term.value),
-            5 => location.c0y = super::machine::rounded_urad(location.c0y + term.value),
+            3 => location.a0z = rounded_urad(location.a0z + term.value),
+            4 => location.b0z = rounded_urad(location.b0z + term.value),
+            5 => location.c0y = rounded_urad(location.c0y + term.value),
             axis => {
                 let own = machine.settings.axes.iter().position(|own| own.axis == LINEAR[axis]);
                 let Some(slot) = own else { continue };
-                let ends = super::super::found::range(points.points.iter().map(|point| point.command_mm[axis]));
+                let ends = range(points.points.iter().map(|point| point.command_mm[axis]));
                 let row = |position| Row { position, forward: [0.0; 6], reverse: [0.0; 6] };
                 let table = machine.tables[slot].get_or_insert_with(|| Table {
                     given: [false; 6],
@@ -134,11 +134,11 @@ pub(super) fn added(machine: &Machine, found: &[Term], points: &Points) -> (Mach
                     rows: ends.map(row).to_vec(),
                 });
                 table.given[axis] = true;
-                let [low, high] = super::super::found::range(table.rows.iter().map(|row| row.position));
+                let [low, high] = range(table.rows.iter().map(|row| row.position));
                 let zero = 0.0_f64.clamp(low, high);
                 for row in &mut table.rows {
                     for way in [&mut row.forward, &mut row.reverse] {
-                        way[axis] = super::super::found::rounded(way[axis] + term.value * (row.position - zero), 1e3);
+                        way[axis] = rounded(way[axis] + term.value * (row.position - zero), 1e3);
                     }
                 }
             }

@@ -1,7 +1,7 @@
 //! How points lie: in a plane of two axes, along one axis, or inclined to the axes.
 
 use super::model::PlanePoint;
-use super::{LEAST, LEAST_ON_LINE, LINEAR};
+use super::{LEAST, LEAST_ON_LINE, LINEAR, SET_UP};
 use crate::circle::principal;
 use crate::points::Points;
 use crate::points::found::range;
@@ -16,8 +16,6 @@ const CONSTANT_MM: f64 = 1e-3;
 const LINE: f64 = 1e-3;
 /// Share of the points' length below which their thickness is that of a plate that is not quite flat.
 const PLATE: f64 = 5e-3;
-/// Inclination to the axes, rad, that counts as the alignment of a set-up: an error across it enters with this share at most.
-pub(super) const SET_UP: f64 = 0.02;
 
 /// How the points lie.
 #[derive(Clone, Copy, Debug, PartialEq)]

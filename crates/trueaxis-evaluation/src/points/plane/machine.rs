@@ -3,7 +3,7 @@
 use super::model::PlanePoint;
 use super::{LINEAR, Lie, PlaneErrors};
 use crate::points::Points;
-use crate::points::found::{place, range, rounded, with_tool};
+use crate::points::found::{place, range, rounded, rounded_urad, with_tool};
 use crate::response::own_tip_errors;
 use anyhow::{Result, anyhow, bail};
 use trueaxis::machine::{LocationErrors, Row, Twist};
@@ -21,11 +21,6 @@ pub(super) const fn squareness(axes: [usize; 2]) -> (&'static str, f64) {
         [0, _] => ("B0Z", 1.0),
         _ => ("A0Z", -1.0),
     }
-}
-
-/// An angle in the steps in which files store it.
-pub(super) fn rounded_urad(rad: f64) -> f64 {
-    rounded(rad, 1e6)
 }
 
 fn set_squareness(location: &mut LocationErrors, axes: [usize; 2], value: f64) {

@@ -39,6 +39,8 @@ const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 const LEAST: usize = 10;
 /// Fewest points on a line, of whose readings scale and placement take four.
 const LEAST_ON_LINE: usize = 5;
+/// Inclination to the axes, rad, that counts as the alignment of a set-up: an error across it enters with this share at most.
+const SET_UP: f64 = 0.02;
 
 /// Result of [`identify_plane`].
 #[derive(Clone, Debug)]
