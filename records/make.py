@@ -88,6 +88,20 @@ def ballbar():
     write("ballbar.csv", "Circles of a ballbar, radius 100 mm.", "angle_deg,deviation_um,direction", rows)
 
 
+def screw():
+    """A screw of 5 mm over nine turns: two harmonics, a slow error, 4 um of lost motion."""
+    source, rows = random.Random(SEED), []
+    for direction in (1, -1):
+        for step in range(226) if direction > 0 else range(225, -1, -1):
+            position = 0.2 * step
+            sin, cos = turn(72 * position)
+            double = 2 * sin * cos
+            wave = 1.3 * cos - 0.6 * sin + 0.3 * (1 - 2 * sin * sin) + 0.2 * double
+            slow = 0.03 * position - 0.0006 * position**2 - (4 if direction < 0 else 0)
+            rows.append([number(position, 1), wave + slow + noise(source, 0.1), str(direction)])
+    write("screw.csv", "A fine scan of an axis with a screw of 5 mm.", "position_mm,error_um,direction", rows)
+
+
 def ball_of_c():
     """Six errors of a head's axis C, read at a ball in three set-ups."""
     source, rows = random.Random(SEED), []
@@ -173,6 +187,7 @@ if __name__ == "__main__":
     circle()
     contour()
     ballbar()
+    screw()
     ball_of_c()
     step_diagonal()
     tracer()

@@ -16,7 +16,7 @@ python3 test_longest_path.py "$target/longest-path"
 source trace.sh
 
 # What machine/machine.toml has none of, and spans without length, which only a turning tool has.
-without=(volumetric grids dynamic lookup crowded_tables many_passes rotary_axes turning_spans far bisection)
+without=(volumetric grids dynamic lookup crowded_tables many_passes periods rotary_axes turning_spans far bisection)
 traces=()
 while read -r kind number; do
     file=$target/cycles/m4f-path-$kind-$number

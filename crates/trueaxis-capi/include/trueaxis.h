@@ -145,12 +145,12 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 1264
+#define TRUEAXIS_LOOP_WORDS 1296
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 736
+#define TRUEAXIS_LOOP_WORDS 768
 #endif
 
 #if !defined(TRUEAXIS_SINGLE)

@@ -23,6 +23,7 @@ mod machine_folder;
 mod model;
 mod numbers;
 mod output;
+mod periodic;
 mod predict;
 mod predict_servo;
 mod probe_angles;
@@ -135,6 +136,9 @@ enum Command {
     /// Identify the friction of two axes, and their drives' figures, from recorded circles.
     #[command(before_help = friction::EXAMPLE, after_help = friction::HELP)]
     Friction(friction::Friction),
+    /// Find errors that repeat within a pitch: of a screw, a motor, a gear or a rack.
+    #[command(before_help = periodic::EXAMPLE, after_help = periodic::HELP)]
+    Periodic(periodic::Periodic),
     /// Predict the features of a part before it is cut: deviations, uncertainties, verdicts on their tolerances.
     #[command(before_help = predict::EXAMPLE, after_help = predict::HELP)]
     Predict(predict::PredictArgs),
@@ -181,6 +185,7 @@ fn main() -> ExitCode {
         Command::Helicoid(arguments) => helicoid::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Friction(arguments) => friction::run(&arguments),
+        Command::Periodic(arguments) => periodic::run(&arguments),
         Command::Predict(arguments) => predict::run(&arguments),
         Command::PredictServo(arguments) => predict_servo::run(&arguments),
         Command::Learn(arguments) => learn::run(&arguments),

@@ -41,7 +41,7 @@ fn a_setting_is_explained_by_its_key_and_unit() {
     assert_eq!(folder.good(&["explain", "setting", "8"]), "location.EX0*_um\n");
     folder.bad(&["explain", "setting", "22", "--axis", "Q"], &["--axis: found Q, needed X, Y, Z, A, B or C"]);
     folder.bad(&["explain", "setting", "22", "--found", "1"], &["--found: found no axis, needed --axis too"]);
-    folder.bad(&["explain", "setting", "255"], &["code: found 255, needed a code from 0 to 115 of the list: settings"]);
+    folder.bad(&["explain", "setting", "255"], &["code: found 255, needed a code from 0 to 118 of the list: settings"]);
     folder.bad(&["explain", "fault", "3", "--found", "1"], &["--axis, --found: found a code that is not a setting's"]);
     folder.bad(&["explain", "tables", "eleven"], &["found eleven, needed a number from 0 to 255"]);
 }

@@ -24,6 +24,7 @@ mod keep;
 mod kinematics;
 mod learn;
 mod one_at_a_time;
+mod periodic;
 mod plate;
 mod predict;
 mod predict_servo;

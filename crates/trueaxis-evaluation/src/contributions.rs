@@ -17,10 +17,12 @@ use trueaxis_tables::Machine;
 /// Where an error comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// Table, lost motion and thermal growth of an axis.
+    /// Table, periods, lost motion and thermal growth of an axis.
     Axis(Axis),
     /// A column of an axis' table, both directions of travel: 0 to 5 are the errors along X, Y, Z and about X, Y, Z.
     Term(Axis, usize),
+    /// Errors of an axis that repeat within a period.
+    Periods(Axis),
     /// Lost motion of an axis.
     Backlash(Axis),
     /// Thermal growth of an axis.
@@ -37,11 +39,13 @@ impl Source {
         machine.settings.axes.iter().map(|own| Source::Axis(own.axis))
     }
 
-    /// The terms of an axis: six of its table, lost motion, thermal growth.
+    /// The terms of an axis: six of its table, periods, lost motion, thermal growth.
     pub fn terms(axis: Axis) -> impl Iterator<Item = Source> {
-        (0..AXES)
-            .map(move |component| Source::Term(axis, component))
-            .chain([Source::Backlash(axis), Source::Thermal(axis)])
+        (0..AXES).map(move |component| Source::Term(axis, component)).chain([
+            Source::Periods(axis),
+            Source::Backlash(axis),
+            Source::Thermal(axis),
+        ])
     }
 
     /// The location errors of a machine: squareness, then those of its rotary axes.
@@ -51,12 +55,13 @@ impl Source {
         (0..3).map(Source::Squareness).chain(located)
     }
 
-    /// ISO 230-1 name: `X`, `EYX`, `C0Y`, `EX0C`; for lost motion and growth `backlash X`, `thermal growth X`.
+    /// ISO 230-1 name: `X`, `EYX`, `C0Y`, `EX0C`; for the others `periods X`, `backlash X`, `thermal growth X`.
     pub fn name(self) -> String {
         let along = |component: usize| Axis::ALL.get(component).map_or('?', |axis| axis.letter());
         match self {
             Source::Axis(axis) => axis.letter().to_string(),
             Source::Term(axis, component) => format!("E{}{}", along(component), axis.letter()),
+            Source::Periods(axis) => format!("periods {}", axis.letter()),
             Source::Backlash(axis) => format!("backlash {}", axis.letter()),
             Source::Thermal(axis) => format!("thermal growth {}", axis.letter()),
             Source::Squareness(which) => ["A0Z", "B0Z", "C0Y"].get(which).copied().unwrap_or("?").to_owned(),
@@ -74,6 +79,7 @@ impl Source {
                 let slot = slot(axis)?;
                 let (own, table) = (settings.axes.get_mut(slot)?, without.tables.get_mut(slot)?);
                 (own.backlash, own.thermal, *table) = (0.0, Default::default(), None);
+                settings.periodic.retain(|period| period.axis != axis);
             }
             Source::Term(axis, component) => {
                 for row in &mut without.tables.get_mut(slot(axis)?)?.as_mut()?.rows {
@@ -81,6 +87,7 @@ impl Source {
                     *row.reverse.get_mut(component)? = 0.0;
                 }
             }
+            Source::Periods(axis) => settings.periodic.retain(|period| period.axis != axis),
             Source::Backlash(axis) => settings.axes.get_mut(slot(axis)?)?.backlash = 0.0,
             Source::Thermal(axis) => settings.axes.get_mut(slot(axis)?)?.thermal = Default::default(),
             Source::Squareness(which) => {

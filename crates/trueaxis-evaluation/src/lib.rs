@@ -24,6 +24,7 @@ pub mod keep;
 pub mod learn;
 pub mod model;
 pub mod path;
+pub mod periodic;
 pub mod points;
 pub mod positions;
 #[cfg(feature = "simulation")]

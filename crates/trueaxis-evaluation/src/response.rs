@@ -26,13 +26,14 @@ pub enum Unit {
 const SIZE: f64 = 1e-3;
 
 /// Tip errors, mm, of the machine's volumetric model at positions of X Y Z A B C (mm, degrees), in positive travel at the
-/// reference temperature; and whether an edge value was clamped.
+/// reference temperature; and whether an edge value was clamped. Periods of rotary axes, which that model lacks, are left out.
 ///
 /// # Errors
 /// Anything that the model refuses.
 pub fn tip_errors(machine: &Machine, places: &[[f64; AXES]]) -> Result<(Vec<[f64; 3]>, bool)> {
     let mut volumetric = machine.clone();
     volumetric.settings.compensation.model = ErrorModel::Volumetric;
+    volumetric.settings.periodic.retain(|period| !period.axis.is_rotary());
     own_tip_errors(&volumetric, places)
 }
 
@@ -53,10 +54,11 @@ pub fn own_tip_errors(machine: &Machine, places: &[[f64; AXES]]) -> Result<(Vec<
     })
 }
 
-/// The machine without any error: no tables, no grids, no location errors, no backlash.
+/// The machine without any error: no tables, no periods, no grids, no location errors, no backlash.
 pub fn without_errors(machine: &Machine) -> Machine {
     let mut bare = machine.clone();
     bare.settings.location = Default::default();
+    bare.settings.periodic.clear();
     bare.grids.clear();
     for (own, table) in bare.settings.axes.iter_mut().zip(&mut bare.tables) {
         own.backlash = 0.0;

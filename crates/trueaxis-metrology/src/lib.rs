@@ -9,6 +9,7 @@
 //! - [`diagonal`]: diagonal and step-diagonal tests after ISO 230-6, squareness and scales.
 //! - [`drift`]: ranges of a drift over stated periods (ISO 230-3); [`sphere`]: the least-squares sphere.
 //! - [`linear_fit`]: least squares with rank and inseparable unknowns.
+//! - [`periodic`]: errors that repeat within the pitch of a screw, a motor or a gear, apart from the slow error.
 //! - [`volumetric`]: the 21 errors of three axes from points measured throughout the volume.
 //! - [`thermal`]: growth of the axes from a recorded warm-up after ISO 230-3.
 //! - [`uncertainty`]: uncertainty of a point and of ISO 230-2 figures; factors, intervals, decisions.
@@ -52,6 +53,8 @@ pub mod linear_fit;
 pub mod order;
 #[cfg(feature = "std")]
 pub mod pair_search;
+#[cfg(feature = "std")]
+pub mod periodic;
 #[cfg(feature = "std")]
 pub mod planes;
 #[cfg(feature = "std")]

@@ -10,6 +10,8 @@ mod friction;
 #[cfg(feature = "std")]
 mod limacon;
 #[cfg(feature = "std")]
+mod periodic;
+#[cfg(feature = "std")]
 mod planes;
 mod plant;
 mod resonance;

@@ -7,6 +7,7 @@ mod full;
 mod interpreter;
 mod legs;
 mod motion;
+mod periodic;
 mod probing_moves;
 mod program;
 mod readings;

@@ -10,6 +10,7 @@ use crate::finding::{self, Decision, Finding, Fit, Why};
 use crate::formats::write_axis_csv_known;
 use crate::limits::widened;
 use crate::origin::Origin;
+use crate::periods::{self, FoundPeriod};
 use crate::read::{Current, path_from};
 use crate::text::micro;
 use crate::uncertainty::{Correlation, Uncertainties};
@@ -36,9 +37,11 @@ pub struct Additions {
     pub findings: Vec<Finding>,
     /// Coefficients of correlation between findings, by their keys; of those that are written they replace the stated ones.
     pub correlations: Vec<Correlation>,
+    /// Periods of axes; [`FoundPeriod`] says how each is decided.
+    pub periods: Vec<FoundPeriod>,
     /// Residual of the test's fit; with a misfit no finding is written.
     pub fit: Option<Fit>,
-    /// Number of the record that the findings are based on ([`finding::record_number`]); `None`: the record has no number.
+    /// Number of the record that the findings are based on ([`Additions::of_record`]); `None`: the record has no number.
     pub record: Option<String>,
     /// Whether the machine's tables corrected it during the recording. A record that the machine already includes is then not
     /// added a second time.
@@ -49,10 +52,12 @@ pub struct Additions {
 }
 
 impl Additions {
-    /// Sets the record to the one with these bytes.
+    /// Sets the record to the one with these bytes. Periods of each axis have their own number: a ballbar's record also gives
+    /// squareness and the periods of a second axis.
     #[must_use]
     pub fn of_record(self, bytes: &[u8]) -> Additions {
-        Additions { record: Some(finding::record_number(bytes)), ..self }
+        let of = self.periods.first().map(|own| format!("periodic {}", own.axis.letter())).unwrap_or_default();
+        Additions { record: Some(finding::record_number(&[bytes, of.as_bytes()].concat())), ..self }
     }
 
     /// Decides on every finding for a machine; `name` is that of its `machine.toml`. Nothing is written.
@@ -68,7 +73,7 @@ impl Additions {
 
     fn decided(&self, before: &Machine, known: &Uncertainties, document: &DocumentMut) -> Vec<Decision> {
         let misfit = self.fit.and_then(|fit| fit.misfit(known.reading()));
-        let again = self.record.as_ref().is_some_and(|record| known.records.contains(record));
+        let again = self.is_again(known);
         let below = |key: &str, written: &finding::Known| {
             let axis = finding::axis_of(key).and_then(|axis| before.settings.axis(axis));
             let hysteresis = axis.map_or(0.0, |own| micro(own.axis, own.hysteresis));
@@ -96,7 +101,14 @@ impl Additions {
         };
         let mut decisions: Vec<Decision> = self.findings.iter().map(decision).collect();
         finding::together(&self.findings, &mut decisions);
-        for own in decisions.iter_mut().filter(|_| self.force && !(again && self.compensated)) {
+        let why = |on_top: bool| match &misfit {
+            Some(left) => Some(Why::Misfit(left.clone())),
+            None => (again && (self.compensated || on_top)).then_some(Why::SameRecord),
+        };
+        decisions.extend(self.periods.iter().map(|own| own.decided(document, !again, why(own.on_top))));
+        // A period that neither the record nor the machine has is no value.
+        let is_value = |own: &&mut Decision| own.why != Why::Nothing || own.found.value != 0.0;
+        for own in decisions.iter_mut().filter(|_| self.force && !(again && self.compensated)).filter(is_value) {
             if below(&own.key, &own.found) {
                 (own.written, own.why) = (None, Why::OverCompensated);
             } else {
@@ -104,6 +116,11 @@ impl Additions {
             }
         }
         decisions
+    }
+
+    /// Whether the machine includes the record already.
+    fn is_again(&self, known: &Uncertainties) -> bool {
+        self.record.as_ref().is_some_and(|record| known.records.contains(record))
     }
 
     /// The changes that add the errors to a machine; `name` is that of its `machine.toml`. Comments, order and all other
@@ -120,6 +137,18 @@ impl Additions {
         let mut document = editable(&current.text, &origin)?;
         let mut edited = Edited { files: Vec::new(), notes: Vec::new() };
         let decisions = self.decided(&before, &known, &document);
+        let of_periods = self.periods.iter().zip(&decisions[self.findings.len()..]);
+        let with: Vec<_> = of_periods.clone().map(|(own, decision)| (own, decision.written.is_some())).collect();
+        periods::refuse_double(&with, &before, (&document, &origin))?;
+        for (period, decision) in of_periods {
+            edited.notes.extend(periods::write(
+                period,
+                decision,
+                !self.is_again(&known),
+                &before,
+                (&mut document, &origin),
+            )?);
+        }
         for (axis, curve) in self.curves.iter().chain(&taken_curves(&self.findings, &decisions)) {
             let table = summed(&before, *axis, curve);
             let csv = table_name(*axis, &current, &origin)?;
@@ -212,10 +241,9 @@ fn write(
         }
         Ok(())
     };
-    let mut any = false;
+    let any = decisions.iter().any(|decision| decision.written.is_some());
     for (finding, decision) in findings.iter().zip(decisions) {
         let Some(written) = decision.written else { continue };
-        any = true;
         if finding.curve.is_empty() {
             put(document, &finding.key, Some(Value::from(written.value)))?;
         }

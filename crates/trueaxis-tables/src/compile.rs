@@ -8,7 +8,7 @@ use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::{AXES, Axis, Row};
 use trueaxis::tcomp::{
     MAGIC, Stored, TableHeader, VERSION, VERSION_WITHOUT_ADDITIONS, VERSION_WITHOUT_ENCODERS, VERSION_WITHOUT_GRIDS,
-    additions, checksum, machine_id, notch,
+    VERSION_WITHOUT_PERIODS, additions, checksum, machine_id, notch,
 };
 
 /// The compiled form of a machine, byte by byte as in [`trueaxis::tcomp`]. The result is deterministic.
@@ -38,8 +38,11 @@ pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
     }
     let encoders = machine.settings.axes.iter().map(|axis| axis.encoder_resolution);
     let figures = machine.settings.axes.iter().flat_map(additions);
-    let version = if figures.clone().any(|figure| figure != 0.0) {
+    let periods = &machine.settings.periodic;
+    let version = if !periods.is_empty() {
         VERSION
+    } else if figures.clone().any(|figure| figure != 0.0) {
+        VERSION_WITHOUT_PERIODS
     } else if encoders.clone().any(|step| step.is_some()) {
         VERSION_WITHOUT_ADDITIONS
     } else if machine.grids.is_empty() {
@@ -58,11 +61,18 @@ pub fn compile(machine: &Machine) -> Result<Vec<u8>, ConfigError> {
     if version >= VERSION_WITHOUT_ADDITIONS {
         payload.extend(encoders.flat_map(|step| step.unwrap_or(0.0).to_le_bytes()));
     }
-    if version == VERSION {
+    if version >= VERSION_WITHOUT_PERIODS {
         payload.extend(figures.flat_map(f64::to_le_bytes));
         let notches = settings.axes.iter().map(notch);
-        if notches.clone().any(|gain| gain > 0.0) {
+        if version == VERSION || notches.clone().any(|gain| gain > 0.0) {
             payload.extend(notches.flat_map(f64::to_le_bytes));
+        }
+    }
+    if version == VERSION {
+        // The settings hold few.
+        payload.push(periods.len() as u8);
+        for period in periods {
+            payload.extend(postcard::to_stdvec(&Stored(period)).map_err(unencodable)?);
         }
     }
     let mut bytes = MAGIC.to_vec();

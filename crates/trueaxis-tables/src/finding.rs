@@ -239,18 +239,25 @@ pub struct Fit {
     pub left_mm: f64,
     /// Stated standard deviation of a reading; `None`: as in the machine's `[uncertainty]`.
     pub noise_mm: Option<f64>,
+    /// Whether the figures are angles, mrad instead of mm, with which the machine's noise of lengths is not compared.
+    pub is_angle: bool,
 }
 
 impl Fit {
     /// Describes the misfit if the residual exceeds [`MISFIT`] times the noise or, without a stated noise, half of the mean
     /// square. `noise_mm`: the machine's noise.
     pub(crate) fn misfit(&self, noise_mm: Option<f64>) -> Option<String> {
-        let um = |mm: f64| format!("{:.2} µm", 1e3 * mm);
+        let unit = if self.is_angle { "µrad" } else { "µm" };
+        let um = |mm: f64| format!("{:.2} {unit}", 1e3 * mm);
+        let noise_mm = noise_mm.filter(|_| !self.is_angle);
         let left = || format!("{} of {} RMS remain", um(self.left_mm), um(self.before_mm));
         match self.noise_mm.or(noise_mm) {
             Some(noise) => (self.left_mm > MISFIT * noise).then(|| format!("{}, the noise is {}", left(), um(noise))),
-            None => (self.left_mm.powi(2) > 0.5 * self.before_mm.powi(2)).then(|| {
-                format!("{}; where that is noise, state it: eve_um of [uncertainty] or repeatability_um", left())
+            None => (self.left_mm.powi(2) > 0.5 * self.before_mm.powi(2)).then(|| match self.is_angle {
+                true => left(),
+                false => {
+                    format!("{}; where that is noise, state it: eve_um of [uncertainty] or repeatability_um", left())
+                }
             }),
         }
     }

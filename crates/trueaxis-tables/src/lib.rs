@@ -19,6 +19,7 @@ mod lost_motion;
 mod margins;
 mod origin;
 pub mod output;
+mod periods;
 mod printable;
 mod rates;
 mod read;
@@ -37,13 +38,15 @@ pub use grid::{Grid, GridSource, TooFine};
 pub use lost_motion::{LostMotion, lost_motion};
 pub use margins::{FeedbackMargins, Notched, feedback_margins, feedback_margins_within, feedback_within};
 pub use output::write_atomically;
+pub use periods::FoundPeriod;
 pub use rates::{DriveRate, rates};
 pub use read::keys::{Keys, Written};
 pub use read::section::{KeyValue, Section, read_toml};
 pub use read::table_text::{ColumnText, TableText, table_texts};
 pub use summary::{
     AxisSummary, CrosstalkSummary, DriveSummary, DynamicSummary, ErrorSummary, FeedbackSummary, FrictionSummary,
-    GridAxisSummary, GridErrorSummary, GridSummary, RoundnessSummary, ServoSummary, Summary, TableSummary, summary,
+    GridAxisSummary, GridErrorSummary, GridSummary, PeriodSummary, RoundnessSummary, ServoSummary, Summary,
+    TableSummary, summary,
 };
 pub use warning::{Term, Warning, check};
 
@@ -111,6 +114,7 @@ impl Machine {
         };
         self.tables.iter().any(Option::is_some)
             || !self.grids.is_empty()
+            || !self.settings.periodic.is_empty()
             || self.settings.location != LocationErrors::default()
             || self.settings.axes.iter().any(axis)
     }

@@ -4,7 +4,7 @@ use crate::Machine;
 use std::fmt;
 use trueaxis::check;
 use trueaxis::limiter::ramp_in_s;
-use trueaxis::machine::{Axis, AxisSettings};
+use trueaxis::machine::{Axis, AxisSettings, PeriodicSettings};
 
 /// Longest time without a warning, s: friction disturbs a reversal for about as long.
 pub(crate) const SWIFT_S: f64 = 5e-3;
@@ -16,7 +16,7 @@ pub(crate) const SWIFT_S: f64 = 5e-3;
 pub struct LostMotion {
     /// The axis.
     pub axis: Axis,
-    /// Largest |error in negative travel − error in positive travel|, backlash included, mm.
+    /// Largest |error in negative travel − error in positive travel|, backlash and periods included, mm.
     pub play: f64,
     /// Time in which the axis' limits allow it to be corrected, s.
     pub ramp_in_s: f64,
@@ -30,7 +30,8 @@ pub struct LostMotion {
 pub fn lost_motion(machine: &Machine) -> Vec<LostMotion> {
     let of = |(own, _): (&AxisSettings, _)| {
         let [least, most] = check::lost_motion(own, machine.rows(own.axis));
-        let play = least.abs().max(most.abs());
+        let within: f64 = machine.settings.periods_of(own.axis).map(PeriodicSettings::most_lost).sum();
+        let play = least.abs().max(most.abs()) + within;
         let ramp_in_s = ramp_in_s(&own.limits, play);
         let (axis, feed_per_s) = (own.axis, own.max_feed_per_s);
         (play > 0.0).then_some(LostMotion { axis, play, ramp_in_s, feed_per_s, way: ramp_in_s * feed_per_s })

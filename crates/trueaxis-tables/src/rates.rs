@@ -69,7 +69,9 @@ pub(crate) fn drive_rate(machine: &Machine, drive: &AxisSettings) -> Option<Driv
                 slopes[component] + tilt + grids.slope(moving.axis, component)
             }
         };
-        let part = slope * moving.max_feed_per_s;
+        let own = moving.axis == drive.axis;
+        let repeats = |order| if own { machine.settings.repeats(drive.axis, order) } else { 0.0 };
+        let part = (slope + repeats(1)) * moving.max_feed_per_s;
         rate += part;
         if most.is_none_or(|(_, largest)| part > largest) {
             most = Some((moving.axis, part));
@@ -77,7 +79,7 @@ pub(crate) fn drive_rate(machine: &Machine, drive: &AxisSettings) -> Option<Driv
         let bent = table.map_or(Some(0.0), |table| bent(moving, table, component, turned));
         // The slope of a grid steps at its nodes.
         let bent = bent.filter(|_| drive.axis.is_rotary() || grids.slope(moving.axis, component) == 0.0);
-        let own = bent.map(|bent| bent * moving.max_feed_per_s * moving.max_feed_per_s);
+        let own = bent.map(|bent| (bent + repeats(2)) * moving.max_feed_per_s * moving.max_feed_per_s);
         acceleration = acceleration.zip(own).map(|(sum, own)| sum + own);
     }
     let (moving, part) = most?;

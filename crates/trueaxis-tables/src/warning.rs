@@ -1,6 +1,7 @@
 //! Warnings about settings that work, but not as well as they should.
 
 use crate::lost_motion::{LostMotion, SWIFT_S, lost_motion};
+use crate::periods::contained_in;
 use crate::rates::{DriveRate, drive_rate};
 use crate::{Grid, Machine};
 use std::fmt;
@@ -31,7 +32,7 @@ pub enum Warning {
         /// Declared travel, mm.
         travel: [f64; 2],
     },
-    /// The machine states no table, grid, squareness, location error, lost motion or growth, so its correction is zero.
+    /// The machine states no table, period, grid, squareness, location error, lost motion or growth, so its correction is zero.
     NoErrorsStated,
     /// At top feed of all axes the correction of a drive changes faster than its slope limit allows.
     SlopeAboveLimit {
@@ -100,6 +101,26 @@ pub enum Warning {
         /// Feed at which it meets the limit, mm/s.
         feed: f64,
     },
+    /// The axis' own table has points so close that it may contain a part of an error which a period states too.
+    PeriodInTable {
+        /// The axis.
+        axis: Axis,
+        /// Distance of the closest two points, mm.
+        step: f64,
+        /// The period, mm.
+        period: f64,
+    },
+    /// At top feed the correction of an axis' periods accelerates more than its limit allows.
+    PeriodAboveLimit {
+        /// The axis.
+        axis: Axis,
+        /// Largest acceleration, mm/s².
+        acceleration: f64,
+        /// Acceleration limit, mm/s².
+        limit: f64,
+        /// Feed up to which the limit suffices, mm/s.
+        feed: f64,
+    },
     /// The limits ramp the correction of lost motion in slowly.
     SlowRampIn(LostMotion),
     /// The error model ignores the machine's angular errors.
@@ -134,6 +155,8 @@ pub enum Term {
     Location,
     /// Lost motion of an axis.
     Backlash(Axis),
+    /// Errors of an axis that repeat within a period.
+    Periods(Axis),
 }
 
 impl fmt::Display for Term {
@@ -143,6 +166,7 @@ impl fmt::Display for Term {
             Term::Grids => f.write_str("the grids"),
             Term::Location => f.write_str("squareness and location errors"),
             Term::Backlash(axis) => write!(f, "the backlash of {}", axis.letter()),
+            Term::Periods(axis) => write!(f, "the periods of {}", axis.letter()),
         }
     }
 }
@@ -188,7 +212,7 @@ impl fmt::Display for Warning {
                 )
             }
             Warning::NoErrorsStated => f.write_str(
-                "no errors are stated (no table, grid, squareness, location error, lost motion or growth): no geometry is \
+                "no errors are stated (no table, period, grid, squareness, location error, lost motion or growth): no geometry is \
                  corrected",
             ),
             Warning::SlopeAboveLimit { axis, rate, limit, moving, part } => {
@@ -198,6 +222,23 @@ impl fmt::Display for Warning {
                     "axis {letter}: at top feed the correction changes by up to {rate:.3} {unit}/s ({part:.3} {unit}/s \
                      from the motion of {}), above the slope limit of {limit} {unit}/s: it will lag",
                     moving.letter()
+                )
+            }
+            Warning::PeriodInTable { axis, step, period } => {
+                let (letter, unit) = (axis.letter(), unit(axis));
+                write!(
+                    f,
+                    "axis {letter}: its table has points {step} {unit} apart, closer than half of its period of {period} \
+                     {unit}: what the table contains of that error is corrected twice"
+                )
+            }
+            Warning::PeriodAboveLimit { axis, acceleration, limit, feed } => {
+                let (letter, unit) = (axis.letter(), unit(axis));
+                write!(
+                    f,
+                    "axis {letter}: at top feed the correction of its periods accelerates by up to {acceleration:.0} \
+                     {unit}/s², above its limit of {limit} {unit}/s²: it will lag from {:.0} {unit}/min on",
+                    feed * 60.0
                 )
             }
             Warning::AccelerationBelowResolution { axis, per_cycle, resolution } => {
@@ -287,6 +328,11 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
     }
     warnings.extend(lost_motion(machine).into_iter().filter(|lost| lost.ramp_in_s > SWIFT_S).map(Warning::SlowRampIn));
     warnings.extend(machine.settings.axes.iter().filter_map(lag_above_limit));
+    warnings.extend(machine.settings.axes.iter().filter_map(|own| period_above_limit(machine, own)));
+    warnings.extend(machine.settings.periodic.iter().filter_map(|period| {
+        let (axis, period) = (period.axis, period.period);
+        contained_in(machine, axis, period).map(|step| Warning::PeriodInTable { axis, step, period })
+    }));
     for (settings, table) in machine.axes() {
         let axis = settings.axis;
         let open = AxisSettings::with_defaults(axis, false).travel;
@@ -324,6 +370,15 @@ pub fn check(machine: &Machine, servo_rate_hz: f64) -> Vec<Warning> {
     warnings
 }
 
+/// A warning if the periods of an axis need more acceleration than its limit at the declared feed.
+fn period_above_limit(machine: &Machine, own: &AxisSettings) -> Option<Warning> {
+    let (axis, limit) = (own.axis, own.limits.acceleration_per_s2);
+    let curvature = machine.settings.repeats(axis, 2);
+    let acceleration = curvature * own.max_feed_per_s * own.max_feed_per_s;
+    let feed = (limit / curvature).sqrt();
+    (acceleration > limit * (1.0 + 1e-9)).then_some(Warning::PeriodAboveLimit { axis, acceleration, limit, feed })
+}
+
 /// A warning if the lag that an axis compensates exceeds the magnitude limit at the declared feed.
 fn lag_above_limit(own: &AxisSettings) -> Option<Warning> {
     let (drive, dynamic) = (own.servo.drive.as_ref()?, own.servo.dynamic.filter(|dynamic| dynamic.lag)?);
@@ -337,17 +392,20 @@ fn largest_term(machine: &Machine, drive: &AxisSettings, grids: &check::GridBoun
     let mut bare = machine.settings.clone();
     bare.location = LocationErrors::default();
     bare.axes.iter_mut().for_each(|axis| axis.backlash = 0.0);
+    bare.periodic.clear();
     let mut located = bare.clone();
     located.location = machine.settings.location;
     let axes = machine.settings.axes.iter();
     let tables = axes.clone().filter(|axis| machine.rows(axis.axis).is_some()).map(|axis| Term::Table(axis.axis));
     let lost = axes.filter(|axis| axis.backlash != 0.0).map(|axis| Term::Backlash(axis.axis));
+    let repeats = machine.settings.repeats(drive.axis, 0);
     let part = |term: Term| {
         let rows = |axis| machine.rows(axis).filter(|_| term == Term::Table(axis));
         let (settings, grids) = match term {
             Term::Table(_) => (bare.clone(), &check::GridBounds::NONE),
             Term::Grids => (bare.clone(), grids),
             Term::Location => (located.clone(), &check::GridBounds::NONE),
+            Term::Periods(_) => return (term, repeats),
             Term::Backlash(axis) => {
                 let mut settings = bare.clone();
                 settings.axes.iter_mut().zip(&machine.settings.axes).for_each(|(own, stated)| {
@@ -360,7 +418,7 @@ fn largest_term(machine: &Machine, drive: &AxisSettings, grids: &check::GridBoun
         let (least, most) = check::error_range(&settings, rows, grids, drive, own);
         (term, least.abs().max(most.abs()))
     };
-    let terms = tables.chain(lost).chain([Term::Location, Term::Grids]).map(part);
+    let terms = tables.chain(lost).chain([Term::Location, Term::Grids, Term::Periods(drive.axis)]).map(part);
     terms.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((Term::Location, 0.0))
 }
 

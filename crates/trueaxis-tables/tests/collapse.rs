@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
+use trueaxis::Axis;
+use trueaxis::machine::PeriodicSettings;
 use trueaxis_tables::Machine;
 use trueaxis_tables::collapse::{CollapseError, CollapseOptions, collapse};
 use trueaxis_tables::formats::machine_files;
@@ -69,4 +71,26 @@ fn bad_volumes_are_refused() {
         let refused = collapse(&machine, &options);
         assert!(matches!(refused, Err(CollapseError::Option { option: "volume", .. })), "{range:?}: {refused:?}");
     }
+}
+
+/// Periods stay a setting of their own: the tables are those without them, and as much is left.
+#[test]
+fn periods_stay_out_of_the_tables() {
+    let plain = machine("EBX_urad,EXX_um", "-20,3", "20,-2");
+    let mut periodic = plain.clone();
+    for (axis, period, reverse) in [(Axis::X, 5.0, vec![]), (Axis::Z, 4.0, vec![[1e-4, 0.0]])] {
+        let (harmonics, reverse) = ([[1.5e-4, 1e-4]].into_iter().collect(), reverse.into_iter().collect());
+        periodic.settings.periodic.push(PeriodicSettings { axis, period, harmonics, reverse }).unwrap();
+    }
+    let [of_plain, of_periodic] =
+        [&plain, &periodic].map(|machine| collapse(machine, &CollapseOptions::default()).unwrap());
+    assert_eq!(of_periodic.machine.settings.periodic, periodic.settings.periodic);
+    for (found, needed) in of_periodic.machine.tables.iter().zip(&of_plain.machine.tables) {
+        for (found, needed) in found.iter().zip(needed).flat_map(|(found, needed)| found.rows.iter().zip(&needed.rows))
+        {
+            let away = found.forward.iter().zip(needed.forward).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(away < 1e-9, "{found:?}, needed {needed:?}");
+        }
+    }
+    assert!((of_periodic.after.max_mm - of_plain.after.max_mm).abs() < 1e-6);
 }

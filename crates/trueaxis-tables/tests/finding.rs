@@ -103,7 +103,12 @@ fn values_are_written_with_how_well_they_are_known() {
 fn a_misfit_writes_nothing() {
     let found = [("location.C0Y_urad", known(50.0, 0.1))];
     let fit = |left_um: f64, noise_um: Option<f64>| {
-        Some(Fit { before_mm: 3.3e-3, left_mm: 1e-3 * left_um, noise_mm: noise_um.map(|um| 1e-3 * um) })
+        Some(Fit {
+            before_mm: 3.3e-3,
+            left_mm: 1e-3 * left_um,
+            noise_mm: noise_um.map(|um| 1e-3 * um),
+            is_angle: false,
+        })
     };
     for (fit, writes) in [
         (fit(3.68, None), false),
@@ -143,7 +148,7 @@ fn forced_values_are_written_with_the_verdict_of_the_rule() {
             "forced, the rule writes nothing: within 2 standard uncertainties of zero",
         ]
     );
-    let misfit = Some(Fit { before_mm: 3.3e-3, left_mm: 3.2e-3, noise_mm: None });
+    let misfit = Some(Fit { before_mm: 3.3e-3, left_mm: 3.2e-3, noise_mm: None, is_angle: false });
     let (other, decisions) = edited(MACHINE, &forced(misfit));
     assert_eq!(other, text);
     assert!(decisions.iter().all(|of| of.why.to_string().starts_with("forced, the rule writes nothing: misfit: ")));
@@ -229,7 +234,7 @@ fn jointly_fitted_values_are_written_together() {
     }
     assert!(decisions.iter().all(|of| of.why == Why::Combined));
     // A misfit writes nothing.
-    let fit = Some(Fit { before_mm: 1e-3, left_mm: 9e-4, noise_mm: None });
+    let fit = Some(Fit { before_mm: 1e-3, left_mm: 9e-4, noise_mm: None, is_angle: false });
     assert_eq!(of(differs, fit).0, machine);
     // Uncertainties belong to values that the section has.
     let wrong = machine.replace("viscous = 0.005", "viscosity = 0.005");

@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use trueaxis::machine::Axis;
+use trueaxis::machine::PeriodicSettings;
 use trueaxis_tables::error::FileError;
 use trueaxis_tables::exact::Geometry;
 use trueaxis_tables::files::Memory;
@@ -373,7 +374,10 @@ fn full_circle() {
 
 #[test]
 fn losses_are_refused_and_named() {
-    let machine = machine();
+    let mut machine = machine();
+    let harmonics = [[3e-3, 4e-3]].into_iter().collect();
+    let period = PeriodicSettings { axis: Axis::X, period: 5.0, harmonics, reverse: Default::default() };
+    machine.settings.periodic.push(period).unwrap();
     let named = |format: Format, axis: Option<Axis>| {
         let dropped = write(format, &machine, &dropping(axis)).dropped;
         let options = ExportOptions { axis, ..ExportOptions::default() };
@@ -389,6 +393,7 @@ fn losses_are_refused_and_named() {
         "EXC of axis C",
         "wrapping of axis C",
         "thermal growth of axis X",
+        "period of 5 mm of axis X (up to 5.00 um)",
         "location errors",
         "backlash of axis Z",
     ] {
@@ -400,6 +405,7 @@ fn losses_are_refused_and_named() {
     // A format that can hold everything refuses nothing.
     let mut plain = machine.clone();
     plain.settings.axes.iter_mut().for_each(|axis| (axis.backlash, axis.thermal) = (0.0, Default::default()));
+    plain.settings.periodic.clear();
     for table in plain.tables.iter_mut().flatten() {
         table.rows.iter_mut().for_each(|row| row.reverse = row.forward);
     }

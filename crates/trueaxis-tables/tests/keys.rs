@@ -8,7 +8,7 @@ use trueaxis_tables::Machine;
 
 /// A valid machine, every key on a separate line.
 const MACHINE: &str = r#"name = "all keys"
-chain = "w X' C' b t"
+chain = "w C' X' b t"
 tool_mm = [0, 0, 0]
 reference_temperature_c = 20
 [axis.X]
@@ -54,6 +54,10 @@ slope_mm_per_s = 1
 acceleration_mm_per_s2 = 90
 lag = true
 acceleration = true
+[[axis.X.periodic]]
+period_mm = 5
+harmonics_um = [[1, 2], [0.1, 0.2]]
+reverse_um = [[1, 2.1]]
 [axis.C]
 direction = 1
 travel_deg = [-400, 400]
@@ -97,6 +101,10 @@ slope_deg_per_s = 1
 acceleration_deg_per_s2 = 90
 lag = true
 acceleration = true
+[[axis.C.periodic]]
+period_deg = 4
+harmonics_urad = [[1, 2]]
+reverse_urad = [[1, 3]]
 [location]
 A0Z_urad = 1
 B0Z_urad = 1
@@ -178,7 +186,7 @@ table = [[0, 1], [10, 2]]
 /// For each key a value that the core, or the reader before it, refuses.
 const WRONG: &[(&str, &str)] = &[
     ("name", "\"\""),
-    ("chain", "\"w X' C' b\""),
+    ("chain", "\"w C' X' b\""),
     ("tool_mm", "[0, 2e6, 0]"),
     ("reference_temperature_c", "-300"),
     ("axis.X.table", "\"gone.csv\""),
@@ -244,6 +252,9 @@ const WRONG: &[(&str, &str)] = &[
     ("axis.X.friction.viscous", "-0.1"),
     ("axis.X.friction.lead_s", "-0.001"),
     ("axis.X.friction.adapt", "1.1"),
+    ("axis.X.periodic.period_mm", "0"),
+    ("axis.X.periodic.harmonics_um", "[[2000, 0]]"),
+    ("axis.X.periodic.reverse_um", "[[0, 2000]]"),
     ("axis.X.dynamic.magnitude_um", "0"),
     ("axis.X.dynamic.slope_mm_per_s", "0"),
     ("axis.X.dynamic.acceleration_mm_per_s2", "0"),
@@ -266,6 +277,9 @@ const WRONG: &[(&str, &str)] = &[
     ("axis.C.friction.viscous", "-0.1"),
     ("axis.C.friction.lead_s", "-0.001"),
     ("axis.C.friction.adapt", "1.1"),
+    ("axis.C.periodic.period_deg", "7"),
+    ("axis.C.periodic.harmonics_urad", "[[20000, 0]]"),
+    ("axis.C.periodic.reverse_urad", "[]"),
     ("axis.C.dynamic.magnitude_urad", "0"),
     ("axis.C.dynamic.slope_deg_per_s", "0"),
     ("axis.C.dynamic.acceleration_deg_per_s2", "0"),

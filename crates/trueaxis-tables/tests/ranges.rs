@@ -40,6 +40,9 @@ coulomb_mm_per_s = 0.5
 presliding_um = 7.0
 [axis.X.friction.uncertainty]
 [axis.X.dynamic]
+[[axis.X.periodic]]
+period_mm = 5.0
+harmonics_um = [[1.0, 2.0]]
 [axis.X.uncertainty]
 [axis.Y]
 travel_mm = [-100.0, 100.0]
@@ -97,6 +100,9 @@ lowest_resonance_hz = 400
 coulomb_deg_per_s = 0.5
 presliding_urad = 7.0
 [axis.C.dynamic]
+[[axis.C.periodic]]
+period_deg = 4.0
+harmonics_urad = [[1.0, 2.0]]
 [axis.C.uncertainty]
 [location]
 [uncertainty]
@@ -365,6 +371,12 @@ fn the_bench_refuses_settings_that_the_controller_refuses() {
     assert_eq!((error.line, error.column.as_deref()), (Some(line), Some("contour.max_lag_mm")), "{error}");
     // Three rotary axes below X: the nine terms turn by two.
     let chain = WHOLE.split("[location]").next().unwrap().replace("w C' X' b Y Z t", "w X' A' B' C' b Y Z t");
+    // Neither X there nor C in the volumetric form may have a period.
+    let chain = ["X", "C"].iter().fold(chain, |text, axis| {
+        let (before, section) = text.split_once(&format!("[[axis.{axis}.periodic]]")).unwrap();
+        let (_, behind) = section.split_once("]]\n").unwrap();
+        format!("{before}{behind}")
+    });
     let error = read(&chain, TABLE).unwrap_err();
     assert_eq!(error.column.as_deref(), Some("chain"), "{error}");
     build(&read(&format!("{chain}[compensation]\nmodel = \"volumetric\"\n"), TABLE).unwrap(), 1e4).unwrap();

@@ -1,9 +1,9 @@
 //! Compares the rates of the corrections at a feed with differences of the interpolated curve.
 
 use std::path::Path;
-use trueaxis::machine::{Axis, Curve};
+use trueaxis::machine::{Axis, Curve, PeriodicSettings};
 use trueaxis_tables::files::Memory;
-use trueaxis_tables::{Machine, rates};
+use trueaxis_tables::{Machine, Warning, check, rates};
 
 fn machine(interpolation: &str) -> Machine {
     let text = format!(
@@ -59,4 +59,34 @@ fn a_linear_table_steps_the_velocity() {
     assert_eq!(found.iter().map(|drive| drive.acceleration).collect::<Vec<_>>(), [None, None]);
     // The steepest is 7 µm over 5 mm, at 100 mm/s.
     assert!((found[0].rate - 0.14).abs() < 1e-12);
+}
+
+/// 3 µm in 5 mm at 100 mm/s: 0.377 mm/s and 47.4 mm/s² more.
+#[test]
+fn periods_count_in_the_rates_and_are_warned_of() {
+    let with = |period: f64| {
+        let mut machine = machine("cubic");
+        let harmonics = [[0.0, 3e-3]].into_iter().collect();
+        let screw = PeriodicSettings { axis: Axis::X, period, harmonics, reverse: Default::default() };
+        machine.settings.periodic.push(screw).unwrap();
+        machine
+    };
+    let [plain, periodic] = [machine("cubic"), with(5.0)].map(|machine| rates(&machine, None)[0]);
+    assert!((periodic.rate - plain.rate - 0.377).abs() < 1e-3, "{periodic:?}");
+    let acceleration = [periodic, plain].map(|rate| rate.acceleration.unwrap());
+    assert!((acceleration[0] - acceleration[1] - 47.4).abs() < 0.1, "{acceleration:?}");
+    // The table has points 5 mm apart; at 1.5 mm the limit of 400 mm/s² suffices up to 87 mm/s.
+    let named = |machine: &Machine| {
+        let warnings = check(machine, 1000.0);
+        let is_in_table = warnings.iter().any(|one| matches!(one, Warning::PeriodInTable { axis: Axis::X, .. }));
+        let feed = warnings.iter().find_map(|one| match one {
+            Warning::PeriodAboveLimit { feed, .. } => Some(feed.round()),
+            _ => None,
+        });
+        (is_in_table, feed)
+    };
+    assert_eq!(
+        [machine("cubic"), with(5.0), with(1.5), with(12.0)].map(|machine| named(&machine)),
+        [(false, None), (false, None), (false, Some(87.0)), (true, None)]
+    );
 }

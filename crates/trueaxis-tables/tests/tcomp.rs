@@ -7,7 +7,7 @@ use trueaxis::error::{ConfigError, Field};
 use trueaxis::machine::Rows;
 use trueaxis::machine::{
     Axis, CompensationSettings, CrosstalkSettings, DriveFigures, DynamicSettings, ErrorModel, FeedbackSettings,
-    FrictionSettings, KinematicsSettings, Limits, MachineSettings,
+    FrictionSettings, KinematicsSettings, Limits, MachineSettings, PeriodicSettings,
 };
 use trueaxis::roundness::{Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles};
 use trueaxis::tcomp::{Stored, Tcomp, TcompError, checksum, machine_id};
@@ -27,9 +27,14 @@ fn crc32(bytes: &[u8]) -> u32 {
     !sum
 }
 
-/// A file around a payload.
+/// A file of version 4 around a payload.
 fn file(id: u32, payload: &[u8]) -> Vec<u8> {
-    let mut bytes = b"TRUEAXIS\x04\x00".to_vec();
+    file_of(4, id, payload)
+}
+
+fn file_of(version: u8, id: u32, payload: &[u8]) -> Vec<u8> {
+    let mut bytes = b"TRUEAXIS".to_vec();
+    bytes.extend([version, 0]);
     bytes.extend(id.to_le_bytes());
     bytes.extend(u32::try_from(payload.len()).unwrap().to_le_bytes());
     bytes.extend(payload);
@@ -607,4 +612,50 @@ fn warnings_carry_their_numbers() {
 fn another_version_is_refused_with_the_one_that_is_needed() {
     let text = TcompError::Version.to_string();
     assert!(text.contains(&format!("version {} is needed", trueaxis::tcomp::VERSION)), "{text}");
+}
+
+/// Behind the payload of version 4: no grid, no encoder, no addition, no notch, then the periods.
+#[test]
+fn periods_follow_everything_else() {
+    let mut machine = crate::small_machine::machine();
+    let plain = compile(&machine).unwrap();
+    let payload = &plain[18..plain.len() - 4];
+    let id = crc32(b"small\nw C' X' b Z t");
+    let axes = machine.settings.axes.len();
+    for (axis, period, forward, reverse) in [
+        (Axis::X, 5.0, vec![[1e-3, -2e-3], [0.0, 5e-4]], vec![]),
+        (Axis::C, 4.0, vec![[1e-4, 0.0]], vec![[1e-4, 1e-5]]),
+    ] {
+        let (harmonics, reverse) = (forward.into_iter().collect(), reverse.into_iter().collect());
+        machine.settings.periodic.push(PeriodicSettings { axis, period, harmonics, reverse }).unwrap();
+    }
+    let mut expected = payload.to_vec();
+    expected.push(0);
+    expected.extend(vec![0; 8 * axes * (1 + 5 + 1)]);
+    let head = expected.len();
+    let numbers = |numbers: &[f64]| numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<_>>();
+    for part in [&[2_u8, 0][..], &numbers(&[5.0]), &[2], &numbers(&[1e-3, -2e-3, 0.0, 5e-4]), &[0]] {
+        expected.extend(part);
+    }
+    for part in [&[5_u8][..], &numbers(&[4.0]), &[1], &numbers(&[1e-4, 0.0]), &[1], &numbers(&[1e-4, 1e-5])] {
+        expected.extend(part);
+    }
+    let compiled = compile(&machine).unwrap();
+    assert_eq!(compiled, file_of(8, id, &expected));
+    assert_eq!(Machine::from_tcomp(&Tcomp::parse(&compiled).unwrap()), machine);
+    // Cut off, none at all, one more than there are, and bytes behind the last one.
+    for length in head..expected.len() {
+        let cut = file_of(8, id, &expected[..length]);
+        assert_eq!(Tcomp::parse(&cut), Err(TcompError::Settings), "{length} of {}", expected.len());
+    }
+    for count in [0, 3, 255] {
+        let mut other = expected.clone();
+        other[head] = count;
+        assert_eq!(Tcomp::parse(&file_of(8, id, &other)), Err(TcompError::Settings), "{count} periods");
+    }
+    assert_eq!(Tcomp::parse(&file_of(8, id, &[&expected[..], &[0]].concat())), Err(TcompError::PayloadTooLong));
+    // Read again into the same place, a file without periods has none.
+    let mut place = Tcomp::empty();
+    assert_eq!((place.read(&compiled), place.read(&plain)), (Ok(()), Ok(())));
+    assert!(place.settings().periodic.is_empty());
 }

@@ -200,6 +200,9 @@ pub const CROSSTALK: ByKind = ByKind::new(
     Range::new(-1e-3, 1e-3, "-1000 to 1000 um per m/s2"),
     Range::new(-1.0, 1.0, "-1000 to 1000 um per degree/s2"),
 );
+/// Period of an axis' own error: from the step of a motor on a fine screw to longer than any rack's pitch.
+pub const PERIOD: ByKind =
+    ByKind::new(Range::new(0.01, 1e4, "0.01 to 10000 mm"), Range::new(1e-3, 360.0, "0.001 to 360 degrees"));
 /// Components of the tool axis; its length is 1e-3 to 1e3.
 pub const TOOL_AXIS: Range = Range::new(-1e3, 1e3, "-1000 to 1000");
 

@@ -12,6 +12,7 @@ pub fn machine(tool_mm: [f64; 3], model: ErrorModel, axes: impl IntoIterator<Ite
     let mut machine = MachineSettings {
         roundness: None,
         crosstalk: Default::default(),
+        periodic: Default::default(),
         name: "counted".try_into().unwrap_or_default(),
         chain: chain.try_into().unwrap_or_default(),
         tool_mm,

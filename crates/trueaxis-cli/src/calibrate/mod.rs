@@ -66,7 +66,7 @@ TASK.toml names the machine's folder, the control, the probe, and artefacts with
   diameter_mm = 150.002
   uncertainty_um = 0.5
   [[artefact.place]]
-  at_mm = [120.0, 90.0, -200.0]     # of its middle, at the depth of touches
+  at_mm = [120.0, 90.0, -200.0]     # of the machine, the tip in its middle, at the depth of the touches
   normal = \"Z\"                      # its orientation
   [reference]
   artefact = \"ball\"                 # touched again and again against drift

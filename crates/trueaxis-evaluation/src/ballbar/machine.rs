@@ -34,7 +34,7 @@ impl Test {
             let squares = self.found.centred.iter().map(|deviation| deviation[part].powi(2));
             (squares.sum::<f64>() / self.found.centred.len().max(1) as f64).sqrt()
         };
-        let fit = Fit { before_mm: rms(0), left_mm: rms(1), noise_mm: None };
+        let fit = Fit { before_mm: rms(0), left_mm: rms(1), noise_mm: None, is_angle: false };
         Additions { findings, fit: Some(fit), compensated, ..Additions::default() }
     }
 }

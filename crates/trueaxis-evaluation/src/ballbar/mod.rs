@@ -11,6 +11,7 @@ mod telemetry;
 
 pub use document::{BallbarDocument, Pair, Share, Ways, name};
 pub use record::COLUMNS;
+pub(crate) use record::direction;
 
 use crate::range::OutOfRange;
 use std::ops::RangeInclusive;

@@ -64,7 +64,7 @@ impl Test {
 }
 
 /// Parses a direction that is not a plain number.
-fn direction(word: &str) -> Option<f64> {
+pub(crate) fn direction(word: &str) -> Option<f64> {
     match word.to_ascii_lowercase().as_str() {
         "+" | "+1" | "ccw" => Some(1.0),
         "-" | "\u{2212}" | "\u{2212}1" | "cw" => Some(-1.0),

@@ -356,6 +356,7 @@ impl Calibration {
             before_mm: solution.sigma_mm.hypot(solution.signal_mm),
             left_mm: solution.sigma_mm,
             noise_mm: Some(task.probe.repeatability_mm),
+            is_angle: false,
         };
         let unseen = self.unseen();
         let is_seen = |keyed: &Keyed| keyed.curve.is_none_or(|curve| !unseen.contains(&curve));

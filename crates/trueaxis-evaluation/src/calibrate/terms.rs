@@ -385,6 +385,7 @@ pub struct Pose {
 pub fn perfect(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
     machine.settings.location = Default::default();
+    machine.settings.periodic.clear();
     machine.tables.iter_mut().for_each(|table| *table = None);
     machine.grids.clear();
     for own in &mut machine.settings.axes {

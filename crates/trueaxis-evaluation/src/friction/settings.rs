@@ -117,7 +117,12 @@ pub fn additions(found: &[Identified]) -> Additions {
     };
     let fit = |axis: &Identified| {
         let before_mm = axis.glitch.before.rms;
-        Fit { before_mm, left_mm: before_mm * (1.0 - axis.glitch.explained).max(0.0).sqrt(), noise_mm: None }
+        Fit {
+            before_mm,
+            left_mm: before_mm * (1.0 - axis.glitch.explained).max(0.0).sqrt(),
+            noise_mm: None,
+            is_angle: false,
+        }
     };
     let worst = found.iter().map(fit).max_by(|a, b| a.left_mm.total_cmp(&b.left_mm));
     Additions { findings: found.iter().flat_map(of_axis).collect(), fit: worst, ..Additions::default() }

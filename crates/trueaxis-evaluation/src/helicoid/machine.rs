@@ -57,6 +57,7 @@ pub(super) fn twin(settings: &Settings) -> Result<Kinematics<f64>> {
         axes: super::travel::AXES.into_iter().map(axis).collect(),
         roundness: None,
         crosstalk: Default::default(),
+        periodic: Default::default(),
     };
     Kinematics::new(&machine).map_err(|error| anyhow!("{error}"))
 }

@@ -24,6 +24,7 @@ pub(super) fn remove(
     let on_workpiece = carries_workpiece(&machine.settings.chain, axis);
     let mut known = machine.clone();
     known.settings.location.rotary = Default::default();
+    known.settings.periodic.retain(|period| !period.axis.is_rotary());
     for (settings, table) in known.settings.axes.iter_mut().zip(&mut known.tables) {
         settings.backlash = 0.0;
         if settings.axis.is_rotary() {

@@ -42,7 +42,7 @@ impl Identification {
         });
         let squares = self.errors.angles.iter().map(|angle| angle.residual_mm.powi(2));
         let left_mm = (squares.sum::<f64>() / self.errors.angles.len().max(1) as f64).sqrt();
-        let fit = Fit { before_mm: self.read_mm(), left_mm, noise_mm: None };
+        let fit = Fit { before_mm: self.read_mm(), left_mm, noise_mm: None, is_angle: false };
         Ok(Additions { findings: findings.collect(), fit: Some(fit), ..Additions::default() })
     }
 

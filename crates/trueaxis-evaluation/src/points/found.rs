@@ -75,6 +75,9 @@ pub fn identify(points: &Points, machine: &Machine, options: &Options) -> Result
     }
     let mut bare = without_errors(machine);
     bare.settings.compensation.orientation = false;
+    let mut points = points.clone();
+    take_out_periods(&mut points, machine);
+    let points = &points;
     let observations = observations(points, &bare)?;
     let (basis, unseen) = basis(points, &bare, options)?;
     let errors = fit(&observations, &basis).map_err(|refused| anyhow!("{refused}"))?;
@@ -107,6 +110,18 @@ pub(super) fn with_tool(bare: &Machine, tool_mm: Option<[f64; 3]>) -> Machine {
     let mut machine = bare.clone();
     machine.settings.tool_mm = tool_mm.unwrap_or(machine.settings.tool_mm);
     machine
+}
+
+/// Takes the periods of the linear axes, which stay as the machine states them, out of the deviations in positive travel: points
+/// far apart would show them as a slow error.
+fn take_out_periods(points: &mut Points, machine: &Machine) {
+    for point in &mut points.points {
+        for (axis, of) in LINEAR.into_iter().enumerate() {
+            let position = point.command_mm[axis];
+            let within = machine.settings.periods_of(of).map(|period| period.error_and_slope(position, false)[0]);
+            point.deviation_mm[axis] -= within.sum::<f64>();
+        }
+    }
 }
 
 fn observations(points: &Points, bare: &Machine) -> Result<Vec<Observation>> {

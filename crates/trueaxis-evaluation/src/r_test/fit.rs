@@ -188,7 +188,7 @@ impl RTestFit {
         };
         let squares: f64 = self.left_mm.iter().flatten().map(|left| left * left).sum();
         let left_mm = (squares / (3 * self.left_mm.len()).max(1) as f64).sqrt();
-        let fit = Fit { before_mm: self.unexplained_mm, left_mm, noise_mm: None };
+        let fit = Fit { before_mm: self.unexplained_mm, left_mm, noise_mm: None, is_angle: false };
         Additions { findings: self.terms.iter().map(finding).collect(), fit: Some(fit), ..Additions::default() }
     }
 }

@@ -79,6 +79,7 @@ fn with_one(machine: &Machine, source: Source) -> Machine {
     let mut one = machine.clone();
     one.settings.compensation.model = ErrorModel::Volumetric;
     one.settings.location = Default::default();
+    one.settings.periodic.clear();
     one.tables.iter_mut().for_each(|table| *table = None);
     one.grids.clear();
     for own in &mut one.settings.axes {
@@ -104,7 +105,7 @@ fn with_one(machine: &Machine, source: Source) -> Machine {
         Source::Location(axis, component) => {
             one.settings.location.rotary[axis.index() - Axis::A.index()][component] = UNIT;
         }
-        Source::Axis(_) | Source::Backlash(_) | Source::Thermal(_) => {}
+        Source::Axis(_) | Source::Periods(_) | Source::Backlash(_) | Source::Thermal(_) => {}
     }
     one
 }

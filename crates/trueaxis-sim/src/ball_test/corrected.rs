@@ -47,6 +47,7 @@ fn turned([x, y, z, a, b, c]: Twist, angle_rad: f64) -> Twist {
 pub(super) fn identified(machine: &Machine, tables: &[(Axis, Table)]) -> Machine {
     let mut machine = machine.clone();
     machine.settings.location = LocationErrors::default();
+    machine.settings.periodic.clear();
     machine.settings.compensation.model = ErrorModel::Volumetric;
     for (settings, slot) in machine.settings.axes.iter().zip(&mut machine.tables) {
         *slot = tables.iter().find(|(axis, _)| *axis == settings.axis).map(|(_, table)| table.clone());

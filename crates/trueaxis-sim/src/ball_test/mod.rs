@@ -58,6 +58,7 @@ fn rotary_only(machine: &Machine) -> Result<Machine> {
         ));
     }
     let mut machine = machine.clone();
+    machine.settings.periodic.retain(|period| period.axis.is_rotary());
     let location = &mut machine.settings.location;
     (location.a0z, location.b0z, location.c0y) = (0.0, 0.0, 0.0);
     for (settings, table) in machine.settings.axes.iter_mut().zip(&mut machine.tables) {

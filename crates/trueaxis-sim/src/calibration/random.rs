@@ -87,6 +87,7 @@ fn machine(dice: &mut Dice, name: &str, chain: &str, class: &Class) -> Machine {
     let mut settings = MachineSettings {
         roundness: None,
         crosstalk: Default::default(),
+        periodic: Default::default(),
         name: name.parse().unwrap_or_default(),
         chain: chain.parse().unwrap_or_default(),
         tool_mm: [0.0; 3],

@@ -158,10 +158,12 @@ pub fn collapse(machine: &Machine, options: &CollapseOptions) -> Result<Collapse
         collapsed.tables[slot] = None;
         collapsed.settings.axes[slot].measured_at_mm = [0.0; 3];
     }
-    let of_rotary_axes = with_nine_terms(&collapsed, |tip| tip(&volume.position([0.0; 3]), &[0.0; AXES]))
+    let mut without_periods = collapsed.clone();
+    without_periods.settings.periodic.clear();
+    let of_rotary_axes = with_nine_terms(&without_periods, |tip| tip(&volume.position([0.0; 3]), &[0.0; AXES]))
         .map_err(CollapseError::Config)?;
 
-    let mut without_backlash = without_backlash(&target, &volume);
+    let mut without_backlash = without_separate_settings(&target, &volume);
     without_backlash.grids.clear();
     let fitted = Geometry::new(&without_backlash, 0.0)?;
     let error = |cell: [Level; 3]| {
@@ -201,6 +203,7 @@ fn wrong(option: &'static str, axis: Option<Axis>, found: impl ToString, needed:
 /// The machine as the tip sees it once each rotary axis' own table corrects it in its own position.
 fn corrected_in_rotary_axes(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
+    machine.settings.periodic.retain(|period| !period.axis.is_rotary());
     for (own, table) in machine.settings.axes.iter_mut().zip(&mut machine.tables) {
         if own.axis.is_rotary() {
             own.backlash = 0.0;
@@ -213,9 +216,10 @@ fn corrected_in_rotary_axes(machine: &Machine) -> Machine {
     machine
 }
 
-/// The backlash of the linear axes is a separate setting and stays out of the tables.
-fn without_backlash(machine: &Machine, volume: &Volume) -> Machine {
+/// Backlash and periods of the linear axes are separate settings and stay out of the tables.
+fn without_separate_settings(machine: &Machine, volume: &Volume) -> Machine {
     let mut machine = machine.clone();
+    machine.settings.periodic.clear();
     for slot in volume.slots.into_iter().flatten() {
         machine.settings.axes[slot].backlash = 0.0;
     }

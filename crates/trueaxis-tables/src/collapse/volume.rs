@@ -2,7 +2,7 @@
 
 use super::{CollapseError, CollapseOptions, FREE_NODES, LINEAR, wrong};
 use crate::Machine;
-use trueaxis::machine::{AXES, Axis, AxisSettings};
+use trueaxis::machine::{AXES, Axis, AxisSettings, PeriodicSettings};
 
 /// The working volume and the pose of the rotary axes, checked against the machine.
 #[derive(Clone, Debug)]
@@ -53,7 +53,8 @@ impl Volume {
             volume.ends[i] = [low, high];
             volume.nodes[i] = nodes([low, high], &positions);
             volume.two_sided_table[i] = table.is_some_and(|t| t.rows.iter().any(|row| row.forward != row.reverse));
-            volume.two_sided[i] = volume.two_sided_table[i] || own.backlash != 0.0;
+            let periods = || machine.settings.periods_of(axis).any(PeriodicSettings::is_two_sided);
+            volume.two_sided[i] = volume.two_sided_table[i] || own.backlash != 0.0 || periods();
             let reference = options.reference_mm.map_or(0.5 * (low + high), |mm| mm[i]);
             if !(low..=high).contains(&reference) {
                 let needed = format!("a position in the volume, {low} to {high} mm");

@@ -4,7 +4,7 @@ use super::rotation::about;
 use super::table::ErrorTable;
 use crate::Table;
 use glam::{DMat3, DVec3};
-use trueaxis::machine::{Axis, AxisSettings, LocationErrors, Twist};
+use trueaxis::machine::{Axis, AxisSettings, LocationErrors, PeriodicSettings, Twist};
 
 /// One axis' carriage.
 #[derive(Clone, Debug)]
@@ -19,6 +19,7 @@ pub(super) struct Carriage {
     /// −1 if the carriage carries the workpiece.
     pub(super) sign: f64,
     table: Option<ErrorTable>,
+    periods: Vec<Period>,
     constant: Twist,
     per_position: Twist,
     /// Component of the axis' own positioning error, and its change in negative travel (mm, rad).
@@ -26,6 +27,38 @@ pub(super) struct Carriage {
     backlash: f64,
     pub(super) lever: DVec3,
     own_lever: f64,
+}
+
+/// Error that repeats within a period: `[a, b]` of the harmonics of both directions, mm or rad.
+#[derive(Clone, Debug)]
+struct Period {
+    length: f64,
+    forward: Vec<[f64; 2]>,
+    reverse: Vec<[f64; 2]>,
+}
+
+impl Period {
+    fn new(settings: &PeriodicSettings) -> Period {
+        let unit = if settings.axis.is_rotary() { 1f64.to_radians() } else { 1.0 };
+        let of = |pairs: &[[f64; 2]]| pairs.iter().map(|pair| pair.map(|figure| figure * unit)).collect::<Vec<_>>();
+        let forward = of(&settings.harmonics);
+        let reverse = if settings.reverse.is_empty() { forward.clone() } else { of(&settings.reverse) };
+        let turn = 360.0 / (360.0 / settings.period).round();
+        let length = if settings.axis.is_rotary() { turn } else { settings.period };
+        Period { length, forward, reverse }
+    }
+
+    fn at(&self, q: f64, reverse: f64) -> f64 {
+        let turn = (q / self.length).rem_euclid(1.0) * std::f64::consts::TAU;
+        let wave = |pairs: &[[f64; 2]]| {
+            let terms = pairs.iter().zip(1..).map(|([a, b], h)| {
+                let (sin, cos) = (turn * f64::from(h)).sin_cos();
+                a * cos + b * sin
+            });
+            terms.sum::<f64>()
+        };
+        wave(&self.forward) * (1.0 - reverse) + wave(&self.reverse) * reverse
+    }
 }
 
 impl Carriage {
@@ -40,6 +73,7 @@ impl Carriage {
             motion: if rotary { f64::from(settings.direction) } else { sign },
             sign,
             table: table.map(|table| ErrorTable::new(settings, &table.rows)),
+            periods: Vec::new(),
             constant: [0.0; 6],
             per_position: [0.0; 6],
             own: settings.axis.index(),
@@ -61,6 +95,10 @@ impl Carriage {
             Axis::B => self.constant = location.rotary[1],
             Axis::C => self.constant = location.rotary[2],
         }
+    }
+
+    pub(super) fn add_period(&mut self, settings: &PeriodicSettings) {
+        self.periods.push(Period::new(settings));
     }
 
     pub(super) fn add_thermal_growth(&mut self, settings: &AxisSettings, rise_k: f64) {
@@ -87,6 +125,7 @@ impl Carriage {
         let shift = turn.cross(self.lever + self.along * (self.own_lever * q));
         let mut sum: Twist = std::array::from_fn(|i| table[i] + self.constant[i] + self.per_position[i] * q);
         sum[self.own] += reverse * self.backlash;
+        sum[self.own] += self.periods.iter().map(|period| period.at(q, reverse)).sum::<f64>();
         let [ex, ey, ez, ea, eb, ec] = sum;
         (DVec3::new(ex, ey, ez) - shift, DVec3::new(ea, eb, ec))
     }

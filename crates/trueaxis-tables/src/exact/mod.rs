@@ -143,6 +143,7 @@ impl Geometry {
             seen[axis.index()] = true;
             let mut carriage = Carriage::new(slot, own, table, on_workpiece);
             carriage.add_location_errors(axis, &settings.location);
+            settings.periods_of(axis).for_each(|period| carriage.add_period(period));
             carriage.add_thermal_growth(own, temperature_rise_k);
             carriage.lever = links[k + 1..]
                 .iter()

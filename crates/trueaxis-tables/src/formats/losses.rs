@@ -45,7 +45,7 @@ pub(super) fn cross_terms(settings: &AxisSettings, table: &Table, dropped: &mut 
     }
 }
 
-/// Settings that no other format has: thermal growth, and backlash of axes without a table.
+/// Settings that no other format has: thermal growth, periods, and backlash of axes without a table.
 pub(super) fn settings_losses(machine: &Machine, only: Option<Axis>, dropped: &mut Vec<String>) {
     for (settings, table) in machine.axes() {
         if only.is_some_and(|axis| axis != settings.axis) {
@@ -53,6 +53,12 @@ pub(super) fn settings_losses(machine: &Machine, only: Option<Axis>, dropped: &m
         }
         if settings.thermal != (ThermalGrowth { datum: settings.thermal.datum, ..ThermalGrowth::default() }) {
             dropped.push(format!("thermal growth of axis {}", settings.axis.letter()));
+        }
+        for period in machine.settings.periods_of(settings.axis) {
+            let (unit, micro) = if settings.axis.is_rotary() { ("deg", "urad") } else { ("mm", "um") };
+            let most = crate::text::micro(settings.axis, period.bound(0));
+            let (letter, length) = (settings.axis.letter(), period.period);
+            dropped.push(format!("period of {length} {unit} of axis {letter} (up to {most:.2} {micro})"));
         }
         if table.is_none() && settings.backlash != 0.0 {
             dropped.push(format!("backlash of axis {}, which has no table", settings.axis.letter()));

@@ -1,7 +1,7 @@
 //! Writes a whole machine.
 
 use super::axis_csv::{axis_csv_name, location_lines, write_axis_csv};
-use super::decimal::shortest_read_as;
+use super::decimal::{shortest, shortest_read_as};
 use super::grid_csv::{grid_csv_name, grid_section, write_grid_csv};
 use super::servo_toml;
 use super::toml_lines::{Lines, section};
@@ -10,7 +10,7 @@ use crate::read::units::degrees_from_urad;
 use std::fmt::Write;
 use trueaxis::machine::{
     AxisSettings, CompensationSettings, ContourSettings, ErrorModel, FaultSettings, Interpolation, KinematicsSettings,
-    Lookup,
+    Lookup, PeriodicSettings,
 };
 use trueaxis::roundness::{ArmSettings, GaugeSettings, InfeedSettings, ProbeAngles};
 
@@ -37,6 +37,8 @@ pub fn machine_files(machine: &Machine, comment: &str) -> Vec<(String, String)> 
             name
         });
         axis(&mut text, own, name.as_deref(), settings.chain.contains(&format!("{}'", own.axis.letter())));
+        let periods = settings.periodic.iter().filter(|period| period.axis == own.axis);
+        periods.for_each(|period| periodic(&mut text, period));
     }
     section(&mut text, "location", &location_lines(&settings.location));
     let mut lines = Lines::default();
@@ -140,6 +142,20 @@ fn axis(text: &mut String, own: &AxisSettings, table: Option<&str>, carries_work
     lines.number(&format!("datum_{unit}"), own.thermal.datum, 0.0);
     section(text, &format!("{name}.thermal"), &lines.0);
     servo_toml::axis(text, own);
+}
+
+/// `[[axis.*.periodic]]`.
+fn periodic(text: &mut String, own: &PeriodicSettings) {
+    let (unit, micro, base, scale) =
+        if own.axis.is_rotary() { ("deg", "urad", 1f64.to_radians(), 1e6) } else { ("mm", "um", 1.0, 1e3) };
+    let _ = write!(text, "\n[[axis.{}.periodic]]\nperiod_{unit} = {:?}\n", own.axis.letter(), own.period);
+    for (key, pairs) in [("harmonics", &own.harmonics), ("reverse", &own.reverse)] {
+        let figure = |figure: &f64| format!("{:?}", shortest(figure * base, scale));
+        let pairs: Vec<String> = pairs.iter().map(|[a, b]| format!("[{}, {}]", figure(a), figure(b))).collect();
+        if !pairs.is_empty() {
+            let _ = writeln!(text, "{key}_{micro} = [{}]", pairs.join(", "));
+        }
+    }
 }
 
 fn roundness(text: &mut String, gauge: &GaugeSettings) {

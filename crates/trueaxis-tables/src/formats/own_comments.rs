@@ -200,6 +200,7 @@ fn settings_of(chain: &Item<'_>, origin: &Origin) -> Result<MachineSettings, Fil
         axes,
         roundness: None,
         crosstalk: Default::default(),
+        periodic: Default::default(),
     })
 }
 

@@ -13,7 +13,7 @@ use std::cell::RefCell;
 use toml::de::DeTable;
 use trueaxis::machine::{
     Axis, AxisSettings, ContourSettings, ErrorModel, FaultSettings, Interpolation, LocationErrors, Lookup,
-    MachineSettings,
+    MachineSettings, PERIODIC_CAPACITY, PeriodicSettings,
 };
 
 /// A table that the file names.
@@ -49,6 +49,7 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
     let mut settings = MachineSettings {
         roundness: None,
         crosstalk: Default::default(),
+        periodic: Default::default(),
         name: name.value.parse().map_err(|_| root.wrong(&name, "1 to 64 bytes"))?,
         chain: chain.value.parse().map_err(|_| root.wrong(&chain, "at most 48 bytes"))?,
         tool_mm: [0.0; 3],
@@ -74,7 +75,7 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
         let mut of_axis = AxisSettings::with_defaults(axis, link.carries_workpiece);
         let letter = axis.letter().to_string();
         if let Some(section) = sections.as_ref().map(|axes| axes.section(&letter)).transpose()?.flatten() {
-            let (table, own, drive) = read_axis(section, &mut of_axis)?;
+            let (table, own, drive) = read_axis(section, &mut of_axis, &mut settings.periodic)?;
             tables.extend(table);
             uncertain.push(own);
             drives.push(drive);
@@ -131,6 +132,7 @@ pub(super) fn read(text: &str, origin: &Origin) -> Result<Description, FileError
 fn read_axis(
     section: Section<'_>,
     settings: &mut AxisSettings,
+    periodic: &mut heapless::Vec<PeriodicSettings, PERIODIC_CAPACITY>,
 ) -> Result<(Option<TableReference>, AxisUncertainty, DriveUncertainty), FileError> {
     let axis = settings.axis;
     let rotary = axis.is_rotary();
@@ -188,6 +190,7 @@ fn read_axis(
     }
     let (servo, drive) = super::servo_toml::read_axis(&section, axis)?;
     settings.servo = servo;
+    super::periodic_toml::read(&section, axis, periodic)?;
     let uncertainty = super::uncertainty_toml::read_axis(&section, axis)?;
     section.finish(None)?;
     let table =

@@ -8,6 +8,7 @@ pub(crate) mod grid_table;
 pub(crate) mod grid_toml;
 pub(crate) mod keys;
 mod machine_toml;
+mod periodic_toml;
 pub(crate) mod refused;
 mod roundness_toml;
 pub(crate) mod section;

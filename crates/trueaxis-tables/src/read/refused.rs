@@ -49,6 +49,11 @@ pub(super) fn contraction(machine: &Machine, origin: &Origin, error: &ConfigErro
     let mut square = machine.clone();
     square.settings.location = Default::default();
     without(&|| String::from("the location errors"), square);
+    for own in &machine.settings.axes {
+        let mut smooth = machine.clone();
+        smooth.settings.periodic.retain(|period| period.axis != own.axis);
+        without(&|| format!("the periods of {}", own.axis.letter()), smooth);
+    }
     for (slot, own) in machine.settings.axes.iter().enumerate() {
         for (component, direction) in Axis::ALL.into_iter().enumerate() {
             let mut other = machine.clone();
@@ -111,6 +116,7 @@ impl Description {
         // In a list of sections, the one with this number.
         let place = match (key.split_once('.'), error.index) {
             (Some((list @ ("crosstalk" | "grid"), rest)), Some(index)) => format!("{list}[{index}].{rest}"),
+            (Some(("axis", _)), Some(index)) => key.replace(".periodic.", &format!(".periodic[{index}].")),
             _ => key.clone(),
         };
         match self.keys.get(&place) {

@@ -1,10 +1,12 @@
 //! Summary of a compiled file, for people and for programs.
 
 mod grid;
+mod periodic;
 mod roundness;
 mod servo;
 
 pub use grid::{GridAxisSummary, GridErrorSummary, GridSummary};
+pub use periodic::PeriodSummary;
 pub use roundness::RoundnessSummary;
 pub use servo::{CrosstalkSummary, DriveSummary, DynamicSummary, FeedbackSummary, FrictionSummary, ServoSummary};
 
@@ -13,7 +15,7 @@ use crate::text::short;
 use serde::Serialize;
 use std::fmt;
 use trueaxis::machine::carries_workpiece;
-use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation, Lookup};
+use trueaxis::machine::{Axis, AxisSettings, ErrorModel, Interpolation, Lookup, MachineSettings};
 use trueaxis::tcomp::{TableData, Tcomp};
 
 /// Contents of a compiled file.
@@ -87,6 +89,9 @@ pub struct AxisSummary {
     /// Drive, friction and dynamic correction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub servo: Option<ServoSummary>,
+    /// Errors that repeat within a period.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub periodic: Vec<PeriodSummary>,
     /// The table.
     pub table: Option<TableSummary>,
 }
@@ -141,7 +146,7 @@ pub fn summary(file: &Tcomp<'_>) -> Summary {
         squareness_urad: [location.a0z, location.b0z, location.c0y].map(|angle| angle * 1e6),
         inverse_passes: file.inverse_passes(),
         memory_scalars: file.requirement(),
-        axes: file.axes().map(|(axis, table)| axis_summary(&settings.chain, axis, table)).collect(),
+        axes: file.axes().map(|(axis, table)| axis_summary(settings, axis, table)).collect(),
         grids: file.grids().iter().map(grid::grid).collect(),
         feedback: settings.contour.feedback.as_ref().map(servo::feedback),
         crosstalk: settings.crosstalk.iter().map(servo::crosstalk).collect(),
@@ -149,13 +154,13 @@ pub fn summary(file: &Tcomp<'_>) -> Summary {
     }
 }
 
-fn axis_summary(chain: &str, settings: &AxisSettings, table: Option<TableData<'_>>) -> AxisSummary {
+fn axis_summary(machine: &MachineSettings, settings: &AxisSettings, table: Option<TableData<'_>>) -> AxisSummary {
     let axis = settings.axis;
     let declared = settings.travel != AxisSettings::with_defaults(axis, false).travel;
     AxisSummary {
         axis: axis.letter(),
         unit: if axis.is_rotary() { "deg" } else { "mm" },
-        carries_workpiece: carries_workpiece(chain, axis),
+        carries_workpiece: carries_workpiece(&machine.chain, axis),
         direction: settings.direction,
         travel: declared.then_some(settings.travel),
         joint: declared.then_some(settings.joint),
@@ -165,6 +170,7 @@ fn axis_summary(chain: &str, settings: &AxisSettings, table: Option<TableData<'_
         slope_per_s: settings.limits.slope_per_s,
         acceleration_per_s2: settings.limits.acceleration_per_s2,
         servo: servo::servo(axis, &settings.servo),
+        periodic: machine.periods_of(axis).map(periodic::period).collect(),
         table: table.map(|table| table_summary(settings, &table)),
     }
 }
@@ -247,6 +253,7 @@ impl fmt::Display for AxisSummary {
         if let Some(servo) = &self.servo {
             servo.lines(f, unit, micro)?;
         }
+        self.periodic.iter().try_for_each(|period| period.line(f, unit, micro))?;
         let Some(table) = &self.table else { return write!(f, "\n  no table") };
         let [low, high] = table.range.map(short);
         let directions = if table.bidirectional { ", bidirectional" } else { "" };

@@ -27,23 +27,32 @@ pub fn jacobian_norm<'r, T: Rows + ?Sized + 'r>(
     grids: &GridBounds,
 ) -> f64 {
     if machine.compensation.is_volumetric() {
-        return volumetric::contraction(machine, &rows, grids).0;
+        return volumetric::contraction(machine, &rows, grids).0 + steepest_of_all(machine);
     }
     let links = links(&machine.chain).unwrap_or_default();
     let mut sum = 0.0;
     for settings in &machine.axes {
         let slopes = rows(settings.axis).map_or([0.0; 6], |rows| slopes(settings, rows));
         for (component, slope) in slopes.into_iter().enumerate().take(3) {
-            let slope = slope + tilt(machine, settings.axis, component).abs() + grids.slope(settings.axis, component);
+            let own = if component == settings.axis.index() { machine.repeats(settings.axis, 1) } else { 0.0 };
+            let slope =
+                slope + tilt(machine, settings.axis, component).abs() + grids.slope(settings.axis, component) + own;
             sum += slope * slope;
         }
         if settings.axis.is_rotary() {
-            let own = slopes.get(settings.axis.index()).copied().unwrap_or(0.0).to_degrees();
+            let own = slopes.get(settings.axis.index()).copied().unwrap_or(0.0).to_degrees()
+                + machine.repeats(settings.axis, 1);
             let swing = swing(machine, &rows, &links, settings.axis).to_radians();
             sum += own * own + swing * swing;
         }
     }
     libm::sqrt(sum)
+}
+
+/// Norm of the slopes within the periods of all axes.
+fn steepest_of_all(machine: &MachineSettings) -> f64 {
+    let slopes = machine.axes.iter().map(|settings| machine.repeats(settings.axis, 1));
+    libm::sqrt(slopes.map(|slope| slope * slope).sum())
 }
 
 /// Largest length of the errors that `carrier` turns, mm.
@@ -67,8 +76,20 @@ pub fn error_range<'r, T: Rows + ?Sized + 'r>(
     drive: &AxisSettings,
     own: [f64; 2],
 ) -> (f64, f64) {
+    let repeats = machine.repeats(drive.axis, 0);
+    let (least, most) = range_without_periods(machine, &rows, grids, drive, own);
+    (least - repeats, most + repeats)
+}
+
+fn range_without_periods<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: &impl Fn(Axis) -> Option<&'r T>,
+    grids: &GridBounds,
+    drive: &AxisSettings,
+    own: [f64; 2],
+) -> (f64, f64) {
     if machine.compensation.is_volumetric() {
-        return volumetric::error_range(machine, &rows, grids, drive, own);
+        return volumetric::error_range(machine, rows, grids, drive, own);
     }
     let axis = drive.axis;
     if axis.is_rotary() {
@@ -163,6 +184,7 @@ pub fn machine_passes<'r, T: Rows + ?Sized + 'r>(
 ) -> Result<u8, ConfigError> {
     if machine.compensation.is_volumetric() {
         let (norm, magnitude) = volumetric::contraction(machine, &rows, grids);
+        let norm = norm + steepest_of_all(machine);
         let thermal = ThermalLine::<f64>::SLOPE_LIMIT * volumetric::thermal_gain(machine);
         return inverse_passes(norm + thermal, magnitude);
     }

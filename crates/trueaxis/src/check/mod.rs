@@ -9,6 +9,7 @@ mod inverse;
 mod margins;
 mod notch;
 mod open_loop;
+mod periodic;
 mod resonance;
 mod reversal;
 mod scalars;
@@ -70,6 +71,7 @@ pub fn settings(machine: &MachineSettings) -> Result<(), ConfigError> {
     five_axes(machine)?;
     machine.axes.iter().try_for_each(axis_settings)?;
     servo::settings(machine)?;
+    periodic::settings(machine, &links)?;
     roundness(machine)
 }
 

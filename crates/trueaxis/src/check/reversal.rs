@@ -4,6 +4,7 @@
 use super::bounds::{Step, sense, width};
 use super::grid::GridBounds;
 use super::inverse::jacobian_norm;
+use super::periodic;
 use super::volumetric;
 use crate::error::{ConfigError, Field};
 use crate::machine::{AXES, Axis, AxisSettings, MachineSettings, Rows, is_turned, links, lost};
@@ -141,7 +142,9 @@ fn steps_of<'r, T: Rows + ?Sized + 'r>(
             (true, false) => moving.backlash,
             (true, true) => moving.backlash.to_radians(),
         };
-        [least + lost, most + lost]
+        let within = if own { periodic::most_lost(machine, moving.axis) } else { 0.0 };
+        let within = if moving.axis.is_rotary() { within.to_radians() } else { within };
+        [least + lost - within, most + lost + within]
     });
     if twist.iter().all(|step| width(step) == 0.0) {
         return steps;

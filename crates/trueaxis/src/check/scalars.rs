@@ -4,13 +4,13 @@ use crate::error::{ConfigError, Field};
 use crate::machine::{
     Axis, AxisServo, AxisSettings, CompensationSettings, ContourSettings, CrosstalkSettings, DriveFigures,
     DynamicSettings, FaultSettings, FeedbackSettings, FrictionSettings, KinematicsSettings, Limits, LocationErrors,
-    MachineSettings, ThermalGrowth,
+    MachineSettings, PeriodicSettings, ThermalGrowth,
 };
 use crate::range::{
     ACCELERATION, ADAPT, BACKLASH, COMMON_LAG, COULOMB, CROSSTALK, CURRENT_LOOP, DEAD_TIME, ENCODER_STEP, EXPANSION,
     FADE, FEED, FEEDBACK_GAIN, FEEDBACK_INTEGRAL, GAIN_WITHOUT_NOTCH, HYSTERESIS, JOINT, JUMP_FACTOR, LAG, LENGTH,
-    MAGNITUDE, PLAUSIBLE, POSITION, POSITION_GAIN, PRESLIDING, RESET_TIME, RESONANCE, RESONANCE_DAMPING, ROTATION,
-    SHARE, SINGULAR_CONE, SLOPE, STRIBECK_SHARE, STRIBECK_VELOCITY, TEMPERATURE, THERMAL_OFFSET, TOOL_AXIS,
+    MAGNITUDE, PERIOD, PLAUSIBLE, POSITION, POSITION_GAIN, PRESLIDING, RESET_TIME, RESONANCE, RESONANCE_DAMPING,
+    ROTATION, SHARE, SINGULAR_CONE, SLOPE, STRIBECK_SHARE, STRIBECK_VELOCITY, TEMPERATURE, THERMAL_OFFSET, TOOL_AXIS,
     TRANSLATION, VELOCITY_GAIN, VISCOUS, WATCH,
 };
 
@@ -29,6 +29,7 @@ pub(super) fn machine(machine: &MachineSettings) -> Result<(), ConfigError> {
         axes,
         roundness: _,
         crosstalk,
+        periodic,
     } = machine;
     LENGTH.all(tool_mm, Field::Tool, None)?;
     TEMPERATURE.check(*reference_temperature_c, Field::ReferenceTemperature, None)?;
@@ -60,7 +61,12 @@ pub(super) fn machine(machine: &MachineSettings) -> Result<(), ConfigError> {
     SINGULAR_CONE.check(*singular_cone_deg, Field::SingularCone, None)?;
     axes.iter().try_for_each(of_axis)?;
     feedback.as_ref().map_or(Ok(()), of_feedback)?;
-    crosstalk.iter().enumerate().try_for_each(|(index, entry)| of_crosstalk(entry).map_err(|error| error.at(index)))
+    crosstalk.iter().enumerate().try_for_each(|(index, entry)| of_crosstalk(entry).map_err(|error| error.at(index)))?;
+    for (index, entry) in periodic.iter().enumerate() {
+        let number = periodic.iter().take(index).filter(|other| other.axis == entry.axis).count();
+        of_period(entry).map_err(|error| error.at(number))?;
+    }
+    Ok(())
 }
 
 fn of_axis(settings: &AxisSettings) -> Result<(), ConfigError> {
@@ -179,4 +185,14 @@ fn of_crosstalk(entry: &CrosstalkSettings) -> Result<(), ConfigError> {
         POSITION.of(*over).check(*position, Field::CrosstalkTable, None)?;
         CROSSTALK.of(*from).check(*k, field, Some(*from))
     })
+}
+
+fn of_period(entry: &PeriodicSettings) -> Result<(), ConfigError> {
+    let PeriodicSettings { axis, period, harmonics, reverse } = entry;
+    let on = Some(*axis);
+    PERIOD.of(*axis).check(*period, Field::PeriodLength, on)?;
+    for (list, field) in [(harmonics, Field::PeriodHarmonics), (reverse, Field::PeriodReverse)] {
+        list.iter().flatten().try_for_each(|figure| BACKLASH.of(*axis).check(*figure, field, on))?;
+    }
+    Ok(())
 }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::compensation::Query;
 use crate::machine::is_turned;
-use crate::machine::{CompensationSettings, ErrorModel, Interpolation, LocationErrors, Row};
+use crate::machine::{CompensationSettings, ErrorModel, Interpolation, LocationErrors, PeriodicSettings, Row};
 use crate::testing::machine::Machine;
 use crate::testing::noise::Noise;
 use std::{vec, vec::Vec};
@@ -397,4 +397,68 @@ fn lost_motion_of_a_rotary_axis_turns_no_other() {
         reversal(&machine, of(a_with_c.leak(), c_with_a.leak()), &GridBounds::NONE).unwrap_err().field,
         Field::Hysteresis
     );
+}
+
+#[test]
+fn periods_are_refused_where_they_have_no_meaning() {
+    let refused = |chain: &str, model, axis, periods: &[f64]| {
+        let machine = Machine::new(chain).with(|machine| {
+            machine.compensation.model = model;
+            for period in periods {
+                let harmonics = [[1e-3, 0.0]].into_iter().collect();
+                let period = PeriodicSettings { axis, period: *period, harmonics, reverse: Default::default() };
+                machine.periodic.push(period).unwrap();
+            }
+        });
+        settings(&machine.settings()).err().map(|error| (error.field, error.index, error.needed))
+    };
+    let (nine, volumetric) = (ErrorModel::Nine, ErrorModel::Volumetric);
+    assert_eq!(refused("w b X Y Z t", nine, Axis::X, &[5.0, 0.25]), None);
+    assert_eq!(refused("w C' A' b X Y Z t", nine, Axis::C, &[4.0]), None);
+    for (chain, model, axis, periods, index, needed) in [
+        ("w b X Y t", nine, Axis::Z, &[5.0][..], Some(0), "an axis of the machine"),
+        ("w C' A' b X Y Z t", nine, Axis::C, &[7.0], Some(0), "a whole number of periods in 360 degrees"),
+        ("w C' A' b X Y Z t", volumetric, Axis::C, &[4.0], Some(0), "the model \"nine\" for a period of a rotary axis"),
+        ("w b C X Y Z t", nine, Axis::X, &[5.0], Some(0), "a linear axis that no rotary axis carries"),
+        ("w b X Y Z t", nine, Axis::X, &[5.0, 5.0], Some(1), "another period than the axis has already"),
+        ("w b X Y Z t", nine, Axis::X, &[1.0, 0.001], Some(1), "0.01 to 10000 mm"),
+    ] {
+        assert_eq!(
+            refused(chain, model, axis, periods),
+            Some((Field::PeriodLength, index, needed)),
+            "{chain} {periods:?}"
+        );
+    }
+}
+
+#[test]
+fn the_slope_of_a_period_counts_in_the_contraction() {
+    let with = |amplitude: f64, model| {
+        let harmonics = [[0.0, amplitude]].into_iter().collect();
+        let period = PeriodicSettings { axis: Axis::X, period: 5.0, harmonics, reverse: Default::default() };
+        let machine = Machine::three_axis().with(|machine| {
+            machine.compensation.model = model;
+            machine.periodic.push(period).unwrap();
+        });
+        super::machine(&machine.settings(), |_| None::<&[Row]>, &[])
+    };
+    for model in [ErrorModel::Nine, ErrorModel::Volumetric] {
+        // 0.0038 and 0.126: 0.17 mm shrink to a nanometre in 3 and in 6 look-ups.
+        assert_eq!((with(0.003, model), with(0.1, model)), (Ok(3), Ok(6)), "{model:?}");
+        assert_eq!(with(0.9, model).unwrap_err().field, Field::Inverse, "{model:?}");
+    }
+}
+
+#[test]
+fn directions_that_differ_within_a_period_need_a_wide_hysteresis() {
+    let with = |hysteresis: f64| {
+        let machine = Machine::three_axis().hysteresis(hysteresis).with(|machine| {
+            let [harmonics, reverse] = [[[0.0, 1e-3]], [[0.0, 0.4e-3]]].map(|pairs| pairs.into_iter().collect());
+            machine.periodic.push(PeriodicSettings { axis: Axis::X, period: 5.0, harmonics, reverse }).unwrap();
+        });
+        super::machine(&machine.settings(), |_| None::<&[Row]>, &[]).err().map(|error| (error.field, error.axis))
+    };
+    // The correction may step back by 0.6 um at a reversal.
+    assert_eq!(with(0.5e-3), Some((Field::Hysteresis, Some(Axis::X))));
+    assert_eq!(with(0.7e-3), None);
 }

@@ -19,11 +19,11 @@ pub struct Batch<'a> {
 }
 
 impl<'a, const N: usize> Compensation<'a, f64, f64, N> {
-    /// The form for many positions; `None` for the volumetric form, with grids, with rotary axes, for tables of unlike
+    /// The form for many positions; `None` for the volumetric form, with grids, with periods, with rotary axes, for tables of unlike
     /// kinds or looked up at the feedback.
     #[doc(hidden)]
     pub fn batch(&self) -> Option<Batch<'a>> {
-        let nine = self.nine_terms().filter(|_| self.grids().is_none())?;
+        let nine = self.nine_terms().filter(|_| self.grids().is_none() && self.periods().is_none())?;
         let is_cubic = nine.cells()?;
         let NineTerms { tables, origins, datum, squareness, .. } = nine;
         Some(Batch {

@@ -9,6 +9,7 @@ mod cells;
 mod grid;
 mod key;
 mod nine;
+mod periodic;
 mod query;
 mod reversal;
 mod squareness;
@@ -23,6 +24,7 @@ pub use batch::Batch;
 pub(crate) use cells::{Cells, InverseEnd, Source, Tables};
 pub(crate) use grid::{CycleGrids, Grids, NearGrids};
 pub use nine::NineTerms;
+pub(crate) use periodic::{Periods, from_zero};
 pub use query::Query;
 pub use reversal::{Direction, Reversal};
 pub(crate) use squareness::Squareness;
@@ -63,6 +65,7 @@ pub struct PoseError<R: Real> {
 pub struct Compensation<'a, R, P, const N: usize> {
     model: Model<'a, R, P, N>,
     grids: Option<Grids<'a, R>>,
+    periods: Option<Periods<'a, R>>,
     passes: u8,
 }
 
@@ -79,10 +82,11 @@ pub fn requirement<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
 ) -> usize {
+    let of_periods = periodic::requirement(machine);
     if machine.compensation.is_volumetric() {
-        table::requirement_of_all::<6, T>(machine, rows)
+        of_periods + table::requirement_of_all::<6, T>(machine, rows)
     } else {
-        table::requirement_of_all::<4, T>(machine, rows)
+        of_periods + table::requirement_of_all::<4, T>(machine, rows)
     }
 }
 
@@ -119,11 +123,12 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
             return Err(ConfigError::left_out(Part::Grids, Field::GridTable));
         }
         table::enough(memory.len(), requirement(machine, &rows))?;
+        let (periods, memory) = Periods::build::<P, N>(order, machine, memory)?;
         let model = match machine.compensation.model {
             ErrorModel::Nine => Model::Nine(NineTerms::build(order, machine, rows, memory)?),
             ErrorModel::Volumetric => Model::Volumetric(Volumetric::build(order, machine, rows, memory)?),
         };
-        Ok(Compensation { model, grids: Grids::build(machine, grids), passes })
+        Ok(Compensation { model, grids: Grids::build(machine, grids), periods, passes })
     }
 
     /// Passes of the exact inverse.
@@ -161,6 +166,12 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         self.grids.as_ref().inspect(|grids| grids.exist())
     }
 
+    /// The periods, if the machine has any.
+    #[inline(always)]
+    pub(crate) fn periods(&self) -> Option<&Periods<'a, R>> {
+        self.periods.as_ref()
+    }
+
     /// Converts positions to table coordinates.
     #[inline(always)]
     pub fn coordinates(&self, positions: &[P; N]) -> [R; N] {
@@ -194,7 +205,23 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
                 *error += tip;
             }
         }
+        if let Some(periods) = self.periods() {
+            periods.add_to(&self.positions(query.command), query.directions, &mut errors);
+        }
         errors
+    }
+
+    /// Positions of the axes from machine zero, mm (deg), from table coordinates.
+    fn positions(&self, at: &[R; N]) -> [R; N] {
+        let origins = match self.model() {
+            Model::Nine(nine) => &nine.origins,
+            Model::Volumetric(volumetric) => volumetric.origins(),
+        };
+        let mut positions = *at;
+        for (position, origin) in positions.iter_mut().zip(origins) {
+            *position += *origin;
+        }
+        positions
     }
 
     /// Errors of tip and direction that the grids add at a position in table coordinates.
@@ -221,6 +248,10 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
             }
             Model::Volumetric(volumetric) => volumetric.pose_error(query, clamped),
         };
+        let pose = match self.periods() {
+            None => pose,
+            Some(periods) => self.with_periods(periods, query, pose),
+        };
         let Some(grids) = self.grids() else { return pose };
         let (tip, turn) = self.of_grids(grids, query.command, clamped);
         PoseError {
@@ -229,24 +260,73 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         }
     }
 
+    /// Adds the periods to a pose.
+    // Only with periods.
+    #[inline(never)]
+    fn with_periods(&self, periods: &Periods<'a, R>, query: &Query<'_, R, N>, pose: PoseError<R>) -> PoseError<R> {
+        let mut errors = [R::ZERO; N];
+        periods.add_to(&self.positions(query.command), query.directions, &mut errors);
+        let tip = errors.first_chunk().copied().unwrap_or_default();
+        PoseError { tip: (V3::from_glam(pose.tip) + V3::from(tip)).glam(), ..pose }
+    }
+
     /// The wanted correction `r`, with which the pose at `q + r`, errors included, is the ideal pose at `q`.
     ///
     /// mm, rotary axes in degrees. Nine terms: `r ← −E(q + r)` from `r = 0`, [`NineTerms::correction`]; volumetric:
-    /// [`Volumetric::correction`]; both include the grids. Errors looked up at the feedback need no inverse and are
+    /// [`Volumetric::correction`]; both include grids and periods. Errors looked up at the feedback need no inverse and are
     /// used as read.
     #[inline(always)]
     pub fn correction(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> [R; N] {
         let passes = self.passes;
-        match (self.model(), self.grids()) {
-            (Model::Nine(nine), None) => nine.correction(query, passes, clamped),
-            (Model::Nine(_), Some(_)) => self.correction_with_grids(query, passes, clamped),
-            (Model::Volumetric(volumetric), grids) => volumetric.correction_with(query, grids, passes, clamped),
+        match (self.model(), self.grids(), self.periods()) {
+            (Model::Nine(nine), None, None) => nine.correction(query, passes, clamped),
+            (Model::Nine(_), ..) => self.correction_of_sum(query, passes, clamped),
+            (Model::Volumetric(volumetric), grids, None) => volumetric.correction_with(query, grids, passes, clamped),
+            (Model::Volumetric(volumetric), _, Some(periods)) => {
+                self.correction_with_periods(query, volumetric, periods, clamped)
+            }
         }
     }
 
-    /// [`NineTerms::correction`] with nine terms and grids.
+    /// Correction of the volumetric form and periods: `r = r_v + s`, `r_v` the volumetric form's at `q + s`,
+    /// `s = −E(q + r_v + s)`.
+    // Only with periods.
     #[inline(never)]
-    fn correction_with_grids(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
+    fn correction_with_periods(
+        &self,
+        query: &Query<'_, R, N>,
+        volumetric: &Volumetric<'a, R, P, N>,
+        periods: &Periods<'a, R>,
+        clamped: &mut u8,
+    ) -> [R; N] {
+        let (mut at, mut correction, mut own) = (*query.command, [R::ZERO; N], [R::ZERO; N]);
+        // At most 2 rounds: the second looks the volumetric form up at the drive's position.
+        for _ in 0..2 {
+            correction =
+                volumetric.correction_with(&Query { command: &at, ..*query }, self.grids(), self.passes, clamped);
+            // At most 8 rounds: more passes are refused when the tables are built.
+            for _ in 0..self.passes & PASSES_MASK {
+                let mut drive = *query.command;
+                for ((drive, r), s) in drive.iter_mut().zip(&correction).zip(&own) {
+                    *drive += *r + *s;
+                }
+                let mut errors = [R::ZERO; N];
+                periods.add_to(&self.positions(&drive), query.directions, &mut errors);
+                own = errors.map(|error| -error);
+            }
+            for ((at, q), s) in at.iter_mut().zip(query.command).zip(&own) {
+                *at = *q + *s;
+            }
+        }
+        for (r, s) in correction.iter_mut().zip(own) {
+            *r += s;
+        }
+        correction
+    }
+
+    /// [`NineTerms::correction`] with nine terms and what adds to them.
+    #[inline(never)]
+    fn correction_of_sum(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
         let mut at = *query.command;
         let mut correction = [R::ZERO; N];
         // At most 8 rounds: more passes are refused when the tables are built.

@@ -158,6 +158,7 @@ impl<'a, R: Real, P: Position, const N: usize> NineTerms<'a, R, P, N> {
                 f64::from(settings.direction) * if carries_workpiece(&machine.chain, axis) { -1.0 } else { 1.0 };
             let table: AxisTable<'a, R, P> = match Lines::of(machine, &rows, settings) {
                 Some((lines, settings)) => AxisTable::build(&settings, &lines, sense, &mut memory)?,
+                None if axis.is_rotary() && machine.periods_of(axis).next().is_some() => AxisTable::zero_around(),
                 None => AxisTable::zero(),
             };
             let feedback = (settings.lookup == Lookup::Feedback, settings.cross_lookup == Lookup::Feedback);

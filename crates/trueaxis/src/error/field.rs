@@ -267,4 +267,10 @@ fields! {
     LowestResonance: "axis.*.drive.lowest_resonance_hz";
     /// Interval in which the friction adapts.
     FrictionAdapt: "axis.*.friction.adapt";
+    /// Period of an axis' own error.
+    PeriodLength: "axis.*.periodic.period_mm" | "axis.*.periodic.period_deg";
+    /// Harmonics of a period.
+    PeriodHarmonics: "axis.*.periodic.harmonics_um" | "axis.*.periodic.harmonics_urad";
+    /// Harmonics of a period in negative travel.
+    PeriodReverse: "axis.*.periodic.reverse_um" | "axis.*.periodic.reverse_urad";
 }

@@ -10,6 +10,7 @@ mod curve;
 mod grid;
 mod order;
 pub mod pchip;
+mod periodic;
 mod rows;
 mod servo;
 
@@ -20,6 +21,7 @@ pub(crate) use curve::lost;
 pub use curve::{Curve, wraps};
 pub use grid::{GRID_NODES, GRIDS, GridAxis, GridData, GridExtremes, GridHeader};
 pub use order::AxisOrder;
+pub use periodic::{PERIODIC_CAPACITY, PERIODIC_HARMONICS, PeriodicSettings};
 pub(crate) use rows::Lines;
 pub use rows::Rows;
 pub use servo::{
@@ -313,6 +315,8 @@ pub struct MachineSettings {
     pub roundness: Option<GaugeSettings>,
     /// Acceleration cross-talk.
     pub crosstalk: Vec<CrosstalkSettings, CROSSTALK_CAPACITY>,
+    /// Errors that repeat within a period of an axis. Stored at the end of a compiled file ([`crate::tcomp`]).
+    pub periodic: Vec<PeriodicSettings, PERIODIC_CAPACITY>,
 }
 
 impl MachineSettings {
@@ -330,7 +334,19 @@ impl MachineSettings {
         axes: Vec::new(),
         roundness: None,
         crosstalk: Vec::new(),
+        periodic: Vec::new(),
     };
+
+    /// The periods of an axis.
+    pub fn periods_of(&self, axis: Axis) -> impl Iterator<Item = &PeriodicSettings> {
+        self.periodic.iter().filter(move |period| period.axis == axis)
+    }
+
+    /// Upper bound of an axis' errors within its periods (`order` 0), of their slope (1) or curvature (2), mm per mm^order
+    /// (deg): [`PeriodicSettings::bound`].
+    pub fn repeats(&self, axis: Axis, order: i32) -> f64 {
+        self.periods_of(axis).map(|period| period.bound(order)).sum()
+    }
 }
 
 /// The six errors of an axis at one position: translations along X, Y, Z (mm), rotations about X, Y, Z (rad).

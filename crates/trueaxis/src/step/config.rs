@@ -121,7 +121,8 @@ impl<'m, 'g> Config<'m, 'g> {
         let norm = crate::check::jacobian_norm(self.machine, rows, &bounds);
         let changes = [motion, in_a_cycle(|axis| axis.limits.slope_per_s)];
         let grids = compensation.grids().map(Grids::key);
-        let tables = Tables::new(compensation.nine_terms(), grids, norm, changes, self.inverse_passes);
+        let beside = (grids, compensation.periods().is_some());
+        let tables = Tables::new(compensation.nine_terms(), beside, norm, changes, self.inverse_passes);
         Ok(ServoLoop {
             order,
             sampler: Sampler::new(&order, self.machine, self.period_ns),

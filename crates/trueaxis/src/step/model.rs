@@ -2,7 +2,7 @@
 //!
 //! | cycle | modelled by |
 //! |---|---|
-//! | active, nine terms in one pass, no axis has reversed or left its cell | `model` itself, in the cached cells |
+//! | active, nine terms in one pass, no axis has reversed or left its cell | `model` itself, in the cached cells; with periods `model_with_periods` |
 //! | any other with nine terms that have cells: cells left, a reversal, new tables or growth, several passes | `model_in_some_cells` |
 //! | volumetric tables looked up at the command | `model_in_tangents` |
 //! | tables without cells | `model_by_lookup` |
@@ -14,7 +14,9 @@
 
 use super::{ServoLoop, State};
 use crate::compensation::volumetric::Cycle;
-use crate::compensation::{CycleGrids, Direction, NineTerms, PASSES_MASK, Query, Reversal, Source, Volumetric};
+use crate::compensation::{
+    CycleGrids, Direction, NineTerms, PASSES_MASK, Query, Reversal, Source, Volumetric, from_zero,
+};
 use crate::position::Position;
 use crate::real::Real;
 use crate::sample::{Sample, Verdict};
@@ -63,9 +65,29 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             {
                 return Modelled::of_errors(errors, at_edge);
             }
+            if let Some(modelled) = self.model_with_periods(state, sample) {
+                return modelled;
+            }
             return self.model_outside_left_cells(state, sample);
         }
         self.model_outside_cells(state, sample, needs_tilt)
+    }
+
+    /// Models a cycle that stays within its cells on a machine with periods.
+    #[inline(always)]
+    fn model_with_periods(&self, state: &State<R, P, N>, sample: &Sample<P, N>) -> Option<Modelled<R, N>> {
+        match self.compensation.periods() {
+            None => None,
+            // Only with periods.
+            Some(periods) => {
+                let (command, feedback) = (first(&self.place(state, sample.command))?, first(sample.feedback)?);
+                let directions = state.reversal.first_chunk()?.map(|reversal| reversal.direction());
+                let places = [&command, &feedback];
+                let (errors, at_edge) =
+                    state.cells.errors_with_periods(&self.tables, &state.grids, periods, places, &directions)?;
+                Some(Modelled::of_errors(errors, at_edge))
+            }
+        }
     }
 
     /// Whether no drive has reversed.
@@ -159,7 +181,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             }
         }
         let grids = grids.map(|grids| (grids, &state.grids));
-        let source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, grids };
+        let periods = self.compensation.periods();
+        let source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, grids, periods };
         for _ in 0..fills {
             if !source.refill(&mut state.cells, &at, sample.feedback) {
                 break;
@@ -201,8 +224,20 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         needs_tilt: bool,
     ) -> Modelled<R, N> {
         let mut at_edge = 0;
-        let (command, feedback, thermal) = (sample.command, sample.feedback, &state.thermal);
-        let drive = &self.place(state, command);
+        let (feedback, thermal) = (sample.feedback, &state.thermal);
+        let drive = &self.place(state, sample.command);
+        let (mut moved, mut of_periods) = ([P::default(); N], [R::ZERO; N]);
+        let command = match self.compensation.periods() {
+            None => sample.command,
+            Some(periods) => {
+                // Looked up where the drives are, the inverse starts at a command that the periods have moved already.
+                periods.add_to(&drive.map(from_zero), directions, &mut of_periods);
+                for ((moved, command), error) in moved.iter_mut().zip(sample.command).zip(of_periods) {
+                    *moved = command.moved(P::offset(-error));
+                }
+                &moved
+            }
+        };
         let cycle = Cycle { command, drive, feedback, directions, thermal, tables: &self.tables };
         let passes = self.compensation.passes();
         let grids = self.compensation.grids().and_then(|grids| {
@@ -220,7 +255,14 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         for (error, tip) in tip_error.iter_mut().zip(tip.array()) {
             *error = tip;
         }
-        Modelled { wanted, tip_error, tilt, at_edge }
+        let mut modelled = Modelled { wanted, tip_error, tilt, at_edge };
+        if let Some(periods) = self.compensation.periods() {
+            periods.add_to(&feedback.map(from_zero), directions, &mut modelled.tip_error);
+            for (wanted, error) in modelled.wanted.iter_mut().zip(of_periods) {
+                *wanted -= error;
+            }
+        }
+        modelled
     }
 
     /// Any tables, looked up without a cache. The passes of the inverse start from no correction.

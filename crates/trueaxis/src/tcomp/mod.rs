@@ -5,7 +5,7 @@
 //! | bytes | content |
 //! |---|---|
 //! | 8 | magic `TRUEAXIS` |
-//! | 2 | format version, 7; 6 for a machine without later figures of a servo, 5 without stated encoders, 4 without grids |
+//! | 2 | format version, 8; 7 for a machine without periods, 6 without later figures of a servo, 5 without stated encoders, 4 without grids |
 //! | 4 | machine id: CRC-32 of name, line feed, chain |
 //! | 4 | length n of the payload |
 //! | n | payload |
@@ -17,8 +17,9 @@
 //! the table is bidirectional. From version 5 on, the number of grids follows as one byte, then for each grid
 //! [`GridHeader`] in postcard, the positions of free nodes as raw doubles and the nodes as 16-bit numbers
 //! ([`GridData`]), which are read in place. From version 6 on, a raw double for every axis follows: the step of its
-//! encoder (mm, degrees), 0 if not stated. In version 7 five raw doubles for every axis follow ([`additions`]), 0 if not
-//! stated, and if a drive has a notch, one more for every axis ([`notch`]).
+//! encoder (mm, degrees), 0 if not stated. From version 7 on, five raw doubles for every axis follow ([`additions`]), 0 if
+//! not stated, and one more for every axis ([`notch`]), in version 7 only if a drive has a notch. In version 8 the number of
+//! periods follows as one byte, then each ([`PeriodicSettings`](crate::machine::PeriodicSettings)) in postcard.
 
 mod stored;
 
@@ -27,7 +28,10 @@ pub use stored::Stored;
 use crate::check;
 use crate::error::{ConfigError, Field};
 use crate::machine::Rows;
-use crate::machine::{AXES, Axis, AxisSettings, GRIDS, GridData, GridHeader, MachineSettings, Row, Twist};
+use crate::machine::{
+    AXES, Axis, AxisSettings, GRIDS, GridData, GridHeader, MachineSettings, PERIODIC_CAPACITY, PeriodicSettings, Row,
+    Twist,
+};
 use crate::part::{self, Part};
 use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc};
@@ -37,8 +41,10 @@ use stored::{Layout, read_settings};
 
 /// First eight bytes of the file.
 pub const MAGIC: [u8; 8] = *b"TRUEAXIS";
-/// Format version for a machine with [`additions`].
-pub const VERSION: u16 = 7;
+/// Format version for a machine with errors that repeat within a period.
+pub const VERSION: u16 = 8;
+/// Format version for a machine without periods, but with [`additions`]: unchanged, so that older controllers load it.
+pub const VERSION_WITHOUT_PERIODS: u16 = 7;
 /// Format version for a machine without additions, but with a stated encoder step: unchanged, so that older controllers
 /// load it.
 pub const VERSION_WITHOUT_ADDITIONS: u16 = 6;
@@ -160,7 +166,7 @@ impl fmt::Display for TcompError {
             TcompError::TooShort => "the file is shorter than its header says",
             TcompError::TooLong => "the file is longer than its header says",
             TcompError::Magic => "not a compiled table file (it does not start with TRUEAXIS)",
-            TcompError::Version => "another version of the format (version 7 is needed, or 4 to 6)",
+            TcompError::Version => "another version of the format (version 8 is needed, or 4 to 7)",
             TcompError::Checksum => "the file is damaged (its CRC-32 is wrong)",
             TcompError::Settings => "the machine settings cannot be decoded",
             TcompError::TableHeader => "the header of a table cannot be decoded",
@@ -406,9 +412,13 @@ impl<'a> Tcomp<'a> {
         if version >= VERSION_WITHOUT_ADDITIONS {
             rest = encoders(settings, rest)?;
         }
-        if version == VERSION {
+        if version >= VERSION_WITHOUT_PERIODS {
             rest = read_additions(settings, rest)?;
-            rest = read_notches(settings, rest)?;
+            rest = read_notches(settings, rest, version)?;
+        }
+        settings.periodic.clear();
+        if version == VERSION {
+            read_periods(&mut rest, &mut settings.periodic)?;
         }
         if rest.is_empty() { Ok(()) } else { Err(TcompError::PayloadTooLong) }
     }
@@ -551,11 +561,13 @@ pub fn notch(settings: &AxisSettings) -> f64 {
 }
 
 /// Reads the [`notch`] of every axis after the additions, if the file has them.
-fn read_notches<'a>(settings: &mut MachineSettings, rest: &'a [u8]) -> Result<&'a [u8], TcompError> {
-    if rest.len() != 8 * settings.axes.len() {
+fn read_notches<'a>(settings: &mut MachineSettings, rest: &'a [u8], version: u16) -> Result<&'a [u8], TcompError> {
+    let length = 8 * settings.axes.len();
+    if version == VERSION_WITHOUT_PERIODS && rest.len() != length {
         return Ok(rest);
     }
-    for (axis, bytes) in settings.axes.iter_mut().zip(rest.as_chunks::<8>().0) {
+    let (notches, rest) = rest.split_at_checked(length).ok_or(TcompError::Settings)?;
+    for (axis, bytes) in settings.axes.iter_mut().zip(notches.as_chunks::<8>().0) {
         let gain = f64::from_le_bytes(*bytes);
         match &mut axis.servo.drive {
             Some(drive) => drive.gain_without_notch = gain,
@@ -563,7 +575,22 @@ fn read_notches<'a>(settings: &mut MachineSettings, rest: &'a [u8]) -> Result<&'
             None => {}
         }
     }
-    Ok(&[])
+    Ok(rest)
+}
+
+/// Reads the periods at the end: their number, at least one, then each.
+fn read_periods(rest: &mut &[u8], periods: &mut Vec<PeriodicSettings, PERIODIC_CAPACITY>) -> Result<(), TcompError> {
+    let ([count], mut behind) = rest.split_first_chunk().ok_or(TcompError::Settings)?;
+    if *count == 0 {
+        return Err(TcompError::Settings);
+    }
+    for _ in 0..*count {
+        let (Stored(period), after) = decoded::<Stored<PeriodicSettings>>(behind).ok_or(TcompError::Settings)?;
+        periods.push(period).map_err(|_| TcompError::Settings)?;
+        behind = after;
+    }
+    *rest = behind;
+    Ok(())
 }
 
 /// Reads the grids after the tables: their number, then each; in version 5 at least one.

@@ -12,7 +12,7 @@ use crate::machine::{
     AxisServo, AxisSettings, CHAIN_CAPACITY, CROSSTALK_CAPACITY, CROSSTALK_POINTS, CompensationSettings,
     ContourSettings, CrosstalkSettings, DriveFigures, DynamicSettings, ErrorModel, FaultSettings, FeedbackSettings,
     FrictionSettings, GridAxis, GridHeader, Interpolation, KinematicsSettings, Limits, LocationErrors, Lookup,
-    MachineSettings, NAME_CAPACITY, ThermalGrowth, Twist,
+    MachineSettings, NAME_CAPACITY, PERIODIC_CAPACITY, PERIODIC_HARMONICS, PeriodicSettings, ThermalGrowth, Twist,
 };
 use crate::roundness::{
     Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles, ProbeSettings, SpindleEncoder,
@@ -46,6 +46,9 @@ struct StoredMachine {
     roundness: Option<GaugeSettings>,
     #[serde(with = "Layout")]
     crosstalk: Vec<CrosstalkSettings, CROSSTALK_CAPACITY>,
+    /// At the end of the payload, in version 8.
+    #[serde(skip)]
+    periodic: Vec<PeriodicSettings, PERIODIC_CAPACITY>,
 }
 
 /// Decodes settings in postcard, field by field into their places: serde copies a whole structure at every level that
@@ -64,6 +67,7 @@ pub(super) fn read_settings(rest: &mut &[u8], to: &mut MachineSettings) -> Optio
         axes,
         roundness,
         crosstalk,
+        periodic: _,
     } = to;
     read(rest, name)?;
     read(rest, chain)?;
@@ -367,6 +371,17 @@ struct StoredCrosstalk {
     points: Vec<[f64; 2], CROSSTALK_POINTS>,
 }
 
+/// At the end of the payload, in version 8.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "PeriodicSettings")]
+struct StoredPeriod {
+    #[serde(with = "Layout")]
+    axis: Axis,
+    period: f64,
+    harmonics: Vec<[f64; 2], PERIODIC_HARMONICS>,
+    reverse: Vec<[f64; 2], PERIODIC_HARMONICS>,
+}
+
 /// Before the nodes of each grid.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "GridHeader")]
@@ -457,6 +472,7 @@ lay_out! {
     Arm: StoredLinkage,
     InfeedSettings: StoredInfeed,
     CrosstalkSettings: StoredCrosstalk,
+    PeriodicSettings: StoredPeriod,
     GridHeader: StoredGrid,
     GridAxis: StoredNodes,
 }

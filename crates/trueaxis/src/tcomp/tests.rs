@@ -4,7 +4,8 @@ use super::{Layout, Stored, TableHeader, read_settings};
 use crate::machine::{
     Axis, AxisServo, AxisSettings, CompensationSettings, ContourSettings, CrosstalkSettings, DriveFigures,
     DynamicSettings, ErrorModel, FaultSettings, FeedbackSettings, FrictionSettings, GridAxis, GridHeader,
-    Interpolation, KinematicsSettings, Limits, LocationErrors, Lookup, MachineSettings, ThermalGrowth,
+    Interpolation, KinematicsSettings, Limits, LocationErrors, Lookup, MachineSettings, PeriodicSettings,
+    ThermalGrowth,
 };
 use crate::roundness::{
     Arm, ArmSettings, Band, GaugeSettings, InfeedSettings, ProbeAngles, ProbeSettings, SpindleEncoder,
@@ -131,6 +132,7 @@ fn everything() -> MachineSettings {
         }]
         .into_iter()
         .collect(),
+        periodic: heapless::Vec::new(),
     }
 }
 
@@ -223,6 +225,13 @@ const GRID: &str = "
     fade         01 13.0 14.0
     measured_at  15.0 16.0 17.0";
 
+/// In version 8.
+const PERIOD: &str = "
+    axis         05
+    length       1.0
+    harmonics    02 2.0 3.0 4.0 5.0
+    reverse      01 6.0 7.0";
+
 /// The lines of a layout: its name, then bytes in hexadecimal and raw doubles.
 fn lines(layout: &str) -> impl Iterator<Item = (&str, Vec<u8>)> {
     layout.lines().filter_map(|line| {
@@ -274,6 +283,13 @@ fn the_layout_of_the_headers_is_fixed() {
         measured_at_mm: [15.0, 16.0, 17.0],
     };
     assert_layout(&header, GRID);
+    let period = PeriodicSettings {
+        axis: Axis::C,
+        period: 1.0,
+        harmonics: [[2.0, 3.0], [4.0, 5.0]].into_iter().collect(),
+        reverse: [[6.0, 7.0]].into_iter().collect(),
+    };
+    assert_layout(&period, PERIOD);
     let header = TableHeader { present: true, given: 0b10_0101, bidirectional: false, rows: 300 };
     assert_eq!(postcard::to_slice(&header, &mut [0; 8]).unwrap(), [0x01, 0x25, 0x00, 0xac, 0x02]);
 }

@@ -30,6 +30,7 @@ impl Machine {
             axes: axes.map(|link| AxisSettings::with_defaults(link.axis, link.carries_workpiece)).collect(),
             roundness: None,
             crosstalk: Default::default(),
+            periodic: Default::default(),
         })
     }
 

@@ -16,6 +16,7 @@ mod feature;
 mod friction;
 mod instrument;
 mod probing;
+mod scan;
 mod shop;
 
 pub use ballbar::Circles;
@@ -25,6 +26,7 @@ pub use feature::ProbedFeature;
 pub use friction::{ENCODER_UM, FrictionCircles};
 pub use instrument::{Instrument, NOISE_UM};
 pub use probing::{calibrate, keep};
+pub use scan::Scan;
 pub use shop::{Diagonals, FollowedBall, TracedPoints};
 
 use crate::range::OutOfRange;

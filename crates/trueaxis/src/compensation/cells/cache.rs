@@ -4,6 +4,8 @@ use super::LINEAR;
 use super::cell::{Cell, Window, plus};
 use super::tables::{Binding, Form, InverseEnd, Tables};
 use crate::compensation::grid::{Grids, Near, NearGrids, Side};
+use crate::compensation::periodic::Periods;
+use crate::compensation::reversal::Direction;
 use crate::compensation::thermal::ThermalLine;
 use crate::part;
 use crate::position::Position;
@@ -149,7 +151,7 @@ impl<R: Real, P: Position> Cells<R, P> {
     }
 
     /// Errors at command and feedback, in mm, and the axes whose command is beyond their tables or grids; `None` if any
-    /// axis has left its cell.
+    /// axis has left its cell, or if errors without cells add to them.
     #[inline(always)]
     pub(crate) fn errors(
         &self,
@@ -166,6 +168,7 @@ impl<R: Real, P: Position> Cells<R, P> {
                 part::GRIDS?;
                 return self.errors_with_grids(tables, near, command, feedback);
             }
+            Form::WithPeriods => return None,
         })
     }
 
@@ -173,6 +176,31 @@ impl<R: Real, P: Position> Cells<R, P> {
     #[inline(always)]
     fn sums(&self, there: [R; LINEAR], back: [R; LINEAR], cubic: bool) -> [[R; 3]; 2] {
         [self.command.sum(there, cubic), self.feedback.sum(back, cubic)]
+    }
+
+    /// [`Cells::errors`] with periods, which add to all others.
+    // Only with periods.
+    #[inline(never)]
+    pub(crate) fn errors_with_periods(
+        &self,
+        tables: &Tables<R, P>,
+        near: &NearGrids<R, P>,
+        periods: &Periods<'_, R>,
+        [command, feedback]: [&[P; LINEAR]; 2],
+        directions: &[Direction; LINEAR],
+    ) -> Option<([[R; 3]; 2], u8)> {
+        let (mut errors, at_edge) = if tables.has_grids() {
+            self.errors_with_grids(tables, near, command, feedback)?
+        } else {
+            let (there, back) = (self.command.steps(*command)?, self.feedback.steps(*feedback)?);
+            let sums = match tables.is_cubic() {
+                true => self.sums(there, back, true),
+                false => self.sums(there, back, false),
+            };
+            (sums, self.at_edge)
+        };
+        periods.add_to_both([command, feedback], directions, &mut errors);
+        Some((errors, at_edge))
     }
 
     /// [`Cells::errors`] with grids: out of line, so that a machine without grids keeps its registers.

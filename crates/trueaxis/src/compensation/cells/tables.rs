@@ -78,6 +78,8 @@ pub(crate) enum Form {
     Cubic,
     /// Either, with grids beside them.
     WithGrids,
+    /// Either, with periods and perhaps grids beside them; periods have no cells.
+    WithPeriods,
 }
 
 /// Borders of the cells and bounds of the inverse: immutable, built once.
@@ -87,6 +89,7 @@ pub(crate) struct Tables<R, P: Position> {
     pub(super) direct: Binding,
     form: Form,
     cubic: bool,
+    has_grids: bool,
     pub(super) borders: [Borders<R, P>; LINEAR],
     /// Norm of the Jacobian of the errors, without thermal growth.
     norm: R,
@@ -99,11 +102,11 @@ pub(crate) struct Tables<R, P: Position> {
 }
 
 impl<R: Real, P: Position> Tables<R, P> {
-    /// `grids`: key of the grids beside the tables. `norm` of the errors' Jacobian, `most` passes of the inverse; per
+    /// `grids`: key of the grids beside the tables, and whether there are `periods`. `norm` of the errors' Jacobian, `most` passes of the inverse; per
     /// cycle, the largest `motion` of the command and `change` of the correction, mm.
     pub(crate) fn new<const N: usize>(
         terms: Option<&NineTerms<'_, R, P, N>>,
-        grids: Option<u64>,
+        (grids, periods): (Option<u64>, bool),
         norm: f64,
         [motion, change]: [f64; 2],
         most: u8,
@@ -112,6 +115,7 @@ impl<R: Real, P: Position> Tables<R, P> {
             direct: Binding::WITHOUT_CELLS,
             form: Form::Linear,
             cubic: false,
+            has_grids: grids.is_some(),
             borders: [Borders::of(&AxisTable::zero()); LINEAR],
             norm: R::of(norm),
             motion: R::of(motion),
@@ -120,10 +124,11 @@ impl<R: Real, P: Position> Tables<R, P> {
         };
         let Some((terms, cubic)) = terms.and_then(|terms| Some((terms, terms.cells()?))) else { return built };
         built.cubic = cubic;
-        built.form = match (grids, cubic) {
-            (Some(_), _) => Form::WithGrids,
-            (None, true) => Form::Cubic,
-            (None, false) => Form::Linear,
+        built.form = match (periods, grids, cubic) {
+            (true, ..) => Form::WithPeriods,
+            (_, Some(_), _) => Form::WithGrids,
+            (_, None, true) => Form::Cubic,
+            (_, None, false) => Form::Linear,
         };
         for (borders, table) in built.borders.iter_mut().zip(&terms.tables) {
             *borders = Borders::of(table);
@@ -146,6 +151,12 @@ impl<R: Real, P: Position> Tables<R, P> {
     #[inline(always)]
     pub(super) fn is_cubic(&self) -> bool {
         self.cubic
+    }
+
+    /// Whether there are grids beside the tables.
+    #[inline(always)]
+    pub(super) fn has_grids(&self) -> bool {
+        self.has_grids
     }
 
     /// Whether the tables have cells to cache.

@@ -61,6 +61,11 @@ impl<'a, R: Real, P: Position, const W: usize> AxisTable<'a, R, P, W> {
         }
     }
 
+    /// A table that is zero everywhere, of a rotary axis whose coordinate is reduced by whole turns.
+    pub(super) fn zero_around() -> Self {
+        AxisTable { wraps: true, ..AxisTable::zero() }
+    }
+
     /// Converts a position to a table coordinate: from the table's first point, reduced by whole turns if the table
     /// wraps.
     #[cfg_attr(feature = "fast", inline(always))]

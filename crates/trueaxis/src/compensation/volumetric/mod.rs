@@ -207,6 +207,11 @@ impl<'a, R: Real, P: Position, const N: usize> Volumetric<'a, R, P, N> {
         at
     }
 
+    /// Position of each table's origin from machine zero, mm (deg).
+    pub(crate) fn origins(&self) -> &[R; N] {
+        &self.origins
+    }
+
     /// X, Y, Z from machine zero, mm, from table coordinates.
     #[inline(always)]
     pub(crate) fn slides(&self, at: &[R; N]) -> [R; 3] {

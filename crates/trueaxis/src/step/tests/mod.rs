@@ -9,6 +9,7 @@ mod faults;
 mod finite;
 mod harm;
 mod pace;
+mod periodic;
 mod plausibility;
 mod ratio;
 mod rtcp;

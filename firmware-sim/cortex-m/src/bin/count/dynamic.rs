@@ -1,4 +1,4 @@
-//! The step with dynamic correction: instructions over the recording, and a digest over adversarial cycles.
+//! The step with dynamic correction or with periods: instructions over the recording, and a digest over adversarial cycles.
 
 use crate::arena::Arena;
 use crate::forms::{AXES, Loop, build, files};
@@ -8,18 +8,31 @@ use core::cell::RefCell;
 use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
 use trueaxis::contour::{Path, Reference};
+use trueaxis::machine::{Axis, MachineSettings, PeriodicSettings};
 use trueaxis::{Input, Output, Real, State};
 use trueaxis_cortex_m::timer::{Tally, timed};
 use trueaxis_recording::Integer;
 use trueaxis_recording::adversary::{Adversary, COURSES, Course, DYNAMIC_CYCLES, Digest, ServoParts, vary};
 use trueaxis_recording::outputs::Wire;
 
+/// Changes the settings of a machine.
+type Configure = fn(&mut MachineSettings);
+
 /// Configurations and their names in the counts: friction on three axes, with feedback, with everything.
-const CONFIGURED: [(ServoParts, &str); 3] = [
-    (ServoParts::Friction, "step_friction"),
-    (ServoParts::Feedback, "step_feedback"),
-    (ServoParts::All, "step_dynamic"),
+const CONFIGURED: [(Configure, &str); 3] = [
+    (|machine| ServoParts::Friction.configure(machine), "step_friction"),
+    (|machine| ServoParts::Feedback.configure(machine), "step_feedback"),
+    (|machine| ServoParts::All.configure(machine), "step_dynamic"),
 ];
+
+/// A screw of 5 mm with an error of 3 µm and its second harmonic on every linear axis.
+fn screws(machine: &mut MachineSettings) {
+    for axis in [Axis::X, Axis::Y, Axis::Z] {
+        let harmonics = [[1.9e-3, -2.2e-3], [0.0, 0.8e-3]].into_iter().collect();
+        // Six fit.
+        let _ = machine.periodic.push(PeriodicSettings { axis, period: 5.0, harmonics, reverse: Default::default() });
+    }
+}
 
 /// A cycle about to run.
 struct DynamicCycle<'a, R: Real, P: Integer> {
@@ -46,19 +59,28 @@ fn step<R: Real, P: Integer>(cycle: &DynamicCycle<'_, R, P>) -> u32 {
 }
 
 /// Builds the loops on the tables in force from the start and on those exchanged for them.
-fn loops<R: Real, P: Integer>(parts: ServoParts, arena: &mut Arena) -> &'static [Loop<R, P>; 2] {
+fn loops<R: Real, P: Integer>(configure: Configure, arena: &mut Arena) -> &'static [Loop<R, P>; 2] {
     let period_ns = recording().header().period_ns;
-    let loops = files().map(|file| build(&file, |settings| parts.configure(settings), period_ns, arena));
+    let loops = files().map(|file| build(&file, configure, period_ns, arena));
     arena.keep(loops)
 }
 
-/// Counts the recording.
+/// Counts the recording with dynamic parts.
 pub fn recorded<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
+    record::<R, P>(scalar, &CONFIGURED, arena);
+}
+
+/// Counts the recording with a screw on each axis.
+pub fn periodic<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
+    record::<R, P>(scalar, &[(screws, "step_periodic")], arena);
+}
+
+fn record<R: Real, P: Integer>(scalar: &str, configured: &[(Configure, &str)], arena: &mut Arena) {
     let recording = recording();
     let header = recording.header();
     let spans: &[_] = arena.collect(recording.path::<R, P>());
-    for (parts, name) in CONFIGURED {
-        let loops = loops::<R, P>(parts, arena);
+    for (configure, name) in configured {
+        let loops = loops::<R, P>(*configure, arena);
         let (mut whole, mut middle) = (Tally::default(), Middle::new(arena));
         let mut cycle = DynamicCycle {
             servo: &loops[0],
@@ -84,7 +106,7 @@ pub fn recorded<R: Real, P: Integer>(scalar: &str, arena: &mut Arena) {
 
 /// Digest of adversarial cycles with every part, switched in motion.
 pub fn adversarial<R: Wire<Place = P>, P: Integer>(scalar: &str, arena: &mut Arena) {
-    let loops = loops::<R, P>(ServoParts::All, arena);
+    let loops = loops::<R, P>(|machine| ServoParts::All.configure(machine), arena);
     let courses: &[_] = arena.collect((0..COURSES).map(Course::<R, P>::new));
     let mut adversary = Adversary::new(courses, recording().header().period_ns);
     let (mut state, mut digest) = (loops[0].start(), Digest::default());

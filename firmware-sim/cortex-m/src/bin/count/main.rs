@@ -57,6 +57,8 @@ fn count<R: Wire<Place = P>, P: Integer>(scalar: &str, adversarial: bool) {
         dynamic::adversarial::<R, P>(scalar, &mut arena);
         adversarial::all::<R, P>(scalar, machine, &mut arena);
     }
+    // Everything before is done with its memory.
+    dynamic::periodic::<R, P>(scalar, &mut Arena::take());
 }
 
 /// Runs the request.
