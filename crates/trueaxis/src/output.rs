@@ -52,6 +52,10 @@ impl<R: Real, P: Position, const N: usize> OutputState<R, P, N> {
     pub(crate) fn offsets(&self) -> &[P::Offset; N] {
         &self.offsets
     }
+
+    pub(crate) fn offsets_mut(&mut self) -> &mut [P::Offset; N] {
+        &mut self.offsets
+    }
 }
 
 /// Destinations of a cycle's output.

@@ -68,6 +68,10 @@ pub trait Position: Sealed + Copy + Debug + Default + PartialEq + PartialOrd + S
     /// `self - low` in steps, and whether it lies in 0 … `reach`: one comparison of integers. Outside that range the
     /// distance is meaningless. `low` and `reach` together must stay below 2.147 m, and so must `reach` alone.
     fn steps_above<R: Real>(self, low: Self, reach: Self::Reach) -> (R, bool);
+    /// What [`Position::phase`] needs of a period of `length` mm (deg), from 0.001 on.
+    fn rate(length: f64) -> u64;
+    /// Place within a period, 0 at machine zero, in units of 2⁻³² of the period; it wraps with the period.
+    fn phase(self, rate: u64) -> u32;
     /// Whether it lies from the first of two limits to the second, both included.
     #[inline(always)]
     fn is_within(self, [low, high]: &[Self; 2]) -> bool {
@@ -140,6 +144,18 @@ impl Position for f64 {
     fn steps_above<R: Real>(self, low: f64, reach: f64) -> (R, bool) {
         let distance = self - low;
         (R::of(distance), (distance >= 0.0) & (distance <= reach))
+    }
+    /// The bits of 1/length.
+    #[inline(always)]
+    fn rate(length: f64) -> u64 {
+        (1.0 / length).to_bits()
+    }
+    #[inline(always)]
+    fn phase(self, rate: u64) -> u32 {
+        let periods = self * f64::from_bits(rate);
+        let part = periods - f64::from(periods as i32);
+        // A negative part wraps.
+        ((part * (1_u32 << 31) as f64) as i32 as u32) << 1
     }
     #[inline(always)]
     fn is_usable(self) -> bool {
@@ -235,6 +251,14 @@ impl Position for Nanometres {
     fn steps_above<R: Real>(self, low: Nanometres, reach: u32) -> (R, bool) {
         let distance = self.0.wrapping_sub(low.0) as u32;
         (R::of_i32(distance as i32), distance <= reach)
+    }
+    /// Periods in a step, in units of 2⁻⁶⁴.
+    fn rate(length: f64) -> u64 {
+        libm::rint((1_u64 << 32) as f64 * (1_u64 << 32) as f64 * 1e-6 / length) as u64
+    }
+    #[inline(always)]
+    fn phase(self, rate: u64) -> u32 {
+        ((i64::from(self.0) as u64).wrapping_mul(rate) >> 32) as u32
     }
     #[inline(always)]
     fn is_usable(self) -> bool {

@@ -20,39 +20,45 @@ pub const INVERSE_TOLERANCE_MM: f64 = 1e-6;
 /// With linear axes only, the Jacobian is 3 by 3, squareness included. A rotary axis adds its column (mm per degree,
 /// with the effect of its rotation on the errors of the axes it carries) and the slope of its positioning error (degree
 /// per degree): the norm combines millimetres and degrees. Grids add their slopes. Thermal growth, writable at run
-/// time, is not included.
+/// time, is not included; the slopes within periods are.
 pub fn jacobian_norm<'r, T: Rows + ?Sized + 'r>(
     machine: &MachineSettings,
     rows: impl Fn(Axis) -> Option<&'r T>,
     grids: &GridBounds,
 ) -> f64 {
+    jacobian_norms(machine, rows, grids).into_iter().sum()
+}
+
+/// [`jacobian_norm`] of the tables and grids, and of the periods.
+pub(crate) fn jacobian_norms<'r, T: Rows + ?Sized + 'r>(
+    machine: &MachineSettings,
+    rows: impl Fn(Axis) -> Option<&'r T>,
+    grids: &GridBounds,
+) -> [f64; 2] {
+    let of_periods = steepest_period(machine);
     if machine.compensation.is_volumetric() {
-        return volumetric::contraction(machine, &rows, grids).0 + steepest_of_all(machine);
+        return [volumetric::contraction(machine, &rows, grids).0, of_periods];
     }
     let links = links(&machine.chain).unwrap_or_default();
     let mut sum = 0.0;
     for settings in &machine.axes {
         let slopes = rows(settings.axis).map_or([0.0; 6], |rows| slopes(settings, rows));
         for (component, slope) in slopes.into_iter().enumerate().take(3) {
-            let own = if component == settings.axis.index() { machine.repeats(settings.axis, 1) } else { 0.0 };
-            let slope =
-                slope + tilt(machine, settings.axis, component).abs() + grids.slope(settings.axis, component) + own;
+            let slope = slope + tilt(machine, settings.axis, component).abs() + grids.slope(settings.axis, component);
             sum += slope * slope;
         }
         if settings.axis.is_rotary() {
-            let own = slopes.get(settings.axis.index()).copied().unwrap_or(0.0).to_degrees()
-                + machine.repeats(settings.axis, 1);
+            let own = slopes.get(settings.axis.index()).copied().unwrap_or(0.0).to_degrees();
             let swing = swing(machine, &rows, &links, settings.axis).to_radians();
             sum += own * own + swing * swing;
         }
     }
-    libm::sqrt(sum)
+    [libm::sqrt(sum), of_periods]
 }
 
-/// Norm of the slopes within the periods of all axes.
-fn steepest_of_all(machine: &MachineSettings) -> f64 {
-    let slopes = machine.axes.iter().map(|settings| machine.repeats(settings.axis, 1));
-    libm::sqrt(slopes.map(|slope| slope * slope).sum())
+/// Norm of the Jacobian of the periods' errors, which is diagonal.
+fn steepest_period(machine: &MachineSettings) -> f64 {
+    machine.axes.iter().map(|settings| machine.repeats(settings.axis, 1)).fold(0.0, f64::max)
 }
 
 /// Largest length of the errors that `carrier` turns, mm.
@@ -173,7 +179,8 @@ pub fn inverse_passes(norm: f64, magnitude_mm: f64) -> Result<u8, ConfigError> {
 }
 
 /// Number of lookups that the inverse of a whole machine needs, for corrections up to the magnitude limits of all axes
-/// together and any thermal growth that may be set at run time ([`ThermalLine::SLOPE_LIMIT`] on top of the norm).
+/// together and any thermal growth that may be set at run time ([`ThermalLine::SLOPE_LIMIT`] on top of the norm). Periods take
+/// no more look-ups, but their slope counts against the largest norm.
 ///
 /// # Errors
 /// As [`inverse_passes`].
@@ -182,13 +189,14 @@ pub fn machine_passes<'r, T: Rows + ?Sized + 'r>(
     rows: impl Fn(Axis) -> Option<&'r T>,
     grids: &GridBounds,
 ) -> Result<u8, ConfigError> {
-    if machine.compensation.is_volumetric() {
+    let (norm, magnitude) = if machine.compensation.is_volumetric() {
         let (norm, magnitude) = volumetric::contraction(machine, &rows, grids);
-        let norm = norm + steepest_of_all(machine);
-        let thermal = ThermalLine::<f64>::SLOPE_LIMIT * volumetric::thermal_gain(machine);
-        return inverse_passes(norm + thermal, magnitude);
-    }
-    let squares = machine.axes.iter().map(|axis| axis.limits.magnitude * axis.limits.magnitude);
-    let norm = jacobian_norm(machine, rows, grids) + ThermalLine::<f64>::SLOPE_LIMIT;
-    inverse_passes(norm, libm::sqrt(squares.sum()))
+        (norm + ThermalLine::<f64>::SLOPE_LIMIT * volumetric::thermal_gain(machine), magnitude)
+    } else {
+        let squares = machine.axes.iter().map(|axis| axis.limits.magnitude * axis.limits.magnitude);
+        let [norm, _] = jacobian_norms(machine, rows, grids);
+        (norm + ThermalLine::<f64>::SLOPE_LIMIT, libm::sqrt(squares.sum()))
+    };
+    inverse_passes(norm + steepest_period(machine), magnitude)?;
+    inverse_passes(norm, magnitude)
 }

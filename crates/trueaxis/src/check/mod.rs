@@ -19,6 +19,7 @@ mod volumetric;
 
 pub use bounds::{contribution, reach, slopes, tilt};
 pub use grid::{GridBounds, grids};
+pub(crate) use inverse::jacobian_norms;
 pub use inverse::{
     INVERSE_TOLERANCE_MM, MOST_PASSES, error_range, inverse_passes, jacobian_norm, joint_range, machine_passes,
 };

@@ -24,7 +24,7 @@ pub use batch::Batch;
 pub(crate) use cells::{Cells, InverseEnd, Source, Tables};
 pub(crate) use grid::{CycleGrids, Grids, NearGrids};
 pub use nine::NineTerms;
-pub(crate) use periodic::{Periods, from_zero};
+pub(crate) use periodic::Periods;
 pub use query::Query;
 pub use reversal::{Direction, Reversal};
 pub(crate) use squareness::Squareness;
@@ -65,8 +65,8 @@ pub struct PoseError<R: Real> {
 pub struct Compensation<'a, R, P, const N: usize> {
     model: Model<'a, R, P, N>,
     grids: Option<Grids<'a, R>>,
-    periods: Option<Periods<'a, R>>,
     passes: u8,
+    periods: Periods<'a, R>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -128,7 +128,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
             ErrorModel::Nine => Model::Nine(NineTerms::build(order, machine, rows, memory)?),
             ErrorModel::Volumetric => Model::Volumetric(Volumetric::build(order, machine, rows, memory)?),
         };
-        Ok(Compensation { model, grids: Grids::build(machine, grids), periods, passes })
+        Ok(Compensation { model, grids: Grids::build(machine, grids), passes, periods })
     }
 
     /// Passes of the exact inverse.
@@ -169,7 +169,7 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// The periods, if the machine has any.
     #[inline(always)]
     pub(crate) fn periods(&self) -> Option<&Periods<'a, R>> {
-        self.periods.as_ref()
+        if self.periods.is_empty() { None } else { Some(&self.periods) }
     }
 
     /// Converts positions to table coordinates.
@@ -188,6 +188,13 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// edge value is used.
     #[inline(always)]
     pub fn errors(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
+        let errors = self.errors_of_tables(query, clamped);
+        if self.periods().is_some() { self.with_periods(query, errors) } else { errors }
+    }
+
+    /// [`Compensation::errors`] without periods.
+    #[inline(always)]
+    pub(crate) fn errors_of_tables(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> Errors<R, N> {
         let mut errors = match self.model() {
             Model::Nine(nine) => nine.errors(query, clamped),
             Model::Volumetric(volumetric) => {
@@ -205,23 +212,33 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
                 *error += tip;
             }
         }
-        if let Some(periods) = self.periods() {
-            periods.add_to(&self.positions(query.command), query.directions, &mut errors);
+        errors
+    }
+
+    /// Adds the errors of the periods.
+    // Only with periods.
+    #[inline(never)]
+    fn with_periods(&self, query: &Query<'_, R, N>, mut errors: [R; N]) -> [R; N] {
+        for (sum, [error, _]) in errors.iter_mut().zip(self.of_periods(query.command, query.directions)) {
+            *sum += error;
         }
         errors
     }
 
-    /// Positions of the axes from machine zero, mm (deg), from table coordinates.
-    fn positions(&self, at: &[R; N]) -> [R; N] {
+    /// Errors of the periods and their slopes, from table coordinates.
+    // Only with periods.
+    #[inline(never)]
+    fn of_periods(&self, at: &[R; N], directions: &[Direction; N]) -> [[R; 2]; N] {
         let origins = match self.model() {
             Model::Nine(nine) => &nine.origins,
             Model::Volumetric(volumetric) => volumetric.origins(),
         };
-        let mut positions = *at;
-        for (position, origin) in positions.iter_mut().zip(origins) {
-            *position += *origin;
+        let mut found = [[R::ZERO; 2]; N];
+        let axes = at.iter().zip(origins).zip(directions).enumerate();
+        for (found, (slot, ((at, origin), direction))) in found.iter_mut().zip(axes) {
+            *found = self.periods.of_axis(slot, *at + *origin, *direction);
         }
-        positions
+        found
     }
 
     /// Errors of tip and direction that the grids add at a position in table coordinates.
@@ -238,6 +255,18 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// Error of the tool's pose at a position; arguments as for [`Compensation::errors`].
     #[inline]
     pub fn pose_error(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
+        let pose = self.pose_error_of_tables(query, clamped);
+        if self.periods().is_none() {
+            return pose;
+        }
+        let errors = self.with_periods(query, [R::ZERO; N]);
+        let tip = errors.first_chunk().copied().unwrap_or_default();
+        PoseError { tip: (V3::from_glam(pose.tip) + V3::from(tip)).glam(), ..pose }
+    }
+
+    /// [`Compensation::pose_error`] without periods.
+    #[inline]
+    pub(crate) fn pose_error_of_tables(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> PoseError<R> {
         let pose = match self.model() {
             Model::Nine(nine) => {
                 let mut error_of_tip = [R::ZERO; 3];
@@ -248,26 +277,12 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
             }
             Model::Volumetric(volumetric) => volumetric.pose_error(query, clamped),
         };
-        let pose = match self.periods() {
-            None => pose,
-            Some(periods) => self.with_periods(periods, query, pose),
-        };
         let Some(grids) = self.grids() else { return pose };
         let (tip, turn) = self.of_grids(grids, query.command, clamped);
         PoseError {
             tip: (V3::from_glam(pose.tip) + tip).glam(),
             orientation: (V3::from_glam(pose.orientation) + turn).glam(),
         }
-    }
-
-    /// Adds the periods to a pose.
-    // Only with periods.
-    #[inline(never)]
-    fn with_periods(&self, periods: &Periods<'a, R>, query: &Query<'_, R, N>, pose: PoseError<R>) -> PoseError<R> {
-        let mut errors = [R::ZERO; N];
-        periods.add_to(&self.positions(query.command), query.directions, &mut errors);
-        let tip = errors.first_chunk().copied().unwrap_or_default();
-        PoseError { tip: (V3::from_glam(pose.tip) + V3::from(tip)).glam(), ..pose }
     }
 
     /// The wanted correction `r`, with which the pose at `q + r`, errors included, is the ideal pose at `q`.
@@ -277,45 +292,40 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
     /// used as read.
     #[inline(always)]
     pub fn correction(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> [R; N] {
-        let passes = self.passes;
-        match (self.model(), self.grids(), self.periods()) {
-            (Model::Nine(nine), None, None) => nine.correction(query, passes, clamped),
-            (Model::Nine(_), ..) => self.correction_of_sum(query, passes, clamped),
-            (Model::Volumetric(volumetric), grids, None) => volumetric.correction_with(query, grids, passes, clamped),
-            (Model::Volumetric(volumetric), _, Some(periods)) => {
-                self.correction_with_periods(query, volumetric, periods, clamped)
-            }
+        match self.periods() {
+            None => self.correction_of_tables(query, clamped),
+            Some(_) => self.correction_with_periods(query, clamped),
         }
     }
 
-    /// Correction of the volumetric form and periods: `r = r_v + s`, `r_v` the volumetric form's at `q + s`,
-    /// `s = −E(q + r_v + s)`.
+    /// [`Compensation::correction`] without periods.
+    #[inline(always)]
+    pub(crate) fn correction_of_tables(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> [R; N] {
+        let passes = self.passes;
+        match (self.model(), self.grids()) {
+            (Model::Nine(nine), None) => nine.correction(query, passes, clamped),
+            (Model::Nine(_), Some(_)) => self.correction_with_grids(query, passes, clamped),
+            (Model::Volumetric(volumetric), grids) => volumetric.correction_with(query, grids, passes, clamped),
+        }
+    }
+
+    /// Correction of tables and periods: `r = r_t + s`, `r_t` the tables' at `q + s`, `s = −E(q + r_t + s)`.
     // Only with periods.
     #[inline(never)]
-    fn correction_with_periods(
-        &self,
-        query: &Query<'_, R, N>,
-        volumetric: &Volumetric<'a, R, P, N>,
-        periods: &Periods<'a, R>,
-        clamped: &mut u8,
-    ) -> [R; N] {
-        let (mut at, mut correction, mut own) = (*query.command, [R::ZERO; N], [R::ZERO; N]);
-        // At most 2 rounds: the second looks the volumetric form up at the drive's position.
-        for _ in 0..2 {
-            correction =
-                volumetric.correction_with(&Query { command: &at, ..*query }, self.grids(), self.passes, clamped);
-            // At most 8 rounds: more passes are refused when the tables are built.
-            for _ in 0..self.passes & PASSES_MASK {
-                let mut drive = *query.command;
-                for ((drive, r), s) in drive.iter_mut().zip(&correction).zip(&own) {
-                    *drive += *r + *s;
-                }
-                let mut errors = [R::ZERO; N];
-                periods.add_to(&self.positions(&drive), query.directions, &mut errors);
-                own = errors.map(|error| -error);
+    fn correction_with_periods(&self, query: &Query<'_, R, N>, clamped: &mut u8) -> [R; N] {
+        let (mut moved, mut correction, mut own) = (*query.command, [R::ZERO; N], [R::ZERO; N]);
+        // At most 3 rounds: each has a step of Newton's method for the periods.
+        for _ in 0..3 {
+            correction = self.correction_of_tables(&Query { command: &moved, ..*query }, clamped);
+            let mut drive = moved;
+            for (drive, r) in drive.iter_mut().zip(&correction) {
+                *drive += *r;
             }
-            for ((at, q), s) in at.iter_mut().zip(query.command).zip(&own) {
-                *at = *q + *s;
+            let errors = self.of_periods(&drive, query.directions);
+            for ((s, [error, slope]), (moved, q)) in own.iter_mut().zip(errors).zip(moved.iter_mut().zip(query.command))
+            {
+                *s = (slope * *s - error) / (R::ONE + slope);
+                *moved = *q + *s;
             }
         }
         for (r, s) in correction.iter_mut().zip(own) {
@@ -324,14 +334,14 @@ impl<'a, R: Real, P: Position, const N: usize> Compensation<'a, R, P, N> {
         correction
     }
 
-    /// [`NineTerms::correction`] with nine terms and what adds to them.
+    /// [`NineTerms::correction`] with nine terms and grids.
     #[inline(never)]
-    fn correction_of_sum(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
+    fn correction_with_grids(&self, query: &Query<'_, R, N>, passes: u8, clamped: &mut u8) -> [R; N] {
         let mut at = *query.command;
         let mut correction = [R::ZERO; N];
         // At most 8 rounds: more passes are refused when the tables are built.
         for _ in 0..passes & PASSES_MASK {
-            let errors = self.errors(&Query { command: &at, ..*query }, clamped);
+            let errors = self.errors_of_tables(&Query { command: &at, ..*query }, clamped);
             for (((r, at), q), error) in correction.iter_mut().zip(&mut at).zip(query.command).zip(errors) {
                 *r = -error;
                 *at = *q - error;

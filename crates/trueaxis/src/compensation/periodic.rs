@@ -10,13 +10,20 @@
 //!
 //! With 16 cells, h the length of one over the wavelength of the highest harmonic, the cubics deviate from that harmonic by at
 //! most (2πh)⁴/384 = 6e-5 of its amplitude. No cell is kept from cycle to cycle: the number of instructions is the same at
-//! any speed. In single precision a position of 1 m is rounded to 30 nm, which changes an error with a slope of 0.01 by
-//! 0.3 nm.
+//! any speed. The place within a period is an integer of 32 bits that wraps with the period, so it is as exact many periods
+//! from machine zero as there.
+//!
+//! The tables' inverse does not see the periods. It starts from a command that their correction has moved, and returns the
+//! tables' part T of the correction; one step of Newton's method for the periods alone, from the correction c sent last,
+//! gives the whole:
+//!
+//! ```text
+//! r = c + (T − E(q + c) − c) / (1 + E'(q + c))          |r − r*| <= |E"| |c − r*|² / 2 (1 − |E'|), beside the tables' share
+//! ```
 
 #![deny(clippy::indexing_slicing)]
 
-use super::Errors;
-use super::reversal::Direction;
+use super::reversal::{Direction, Reversal};
 use super::table::enough;
 use crate::error::ConfigError;
 use crate::machine::{AxisOrder, MachineSettings, PERIODIC_CAPACITY, PeriodicSettings, carries_workpiece};
@@ -25,165 +32,232 @@ use crate::real::Real;
 
 /// Cells in the wavelength of the highest harmonic.
 const CELLS_PER_WAVE: usize = 16;
+/// Lines before the cells of a period.
+const HEAD: usize = 2;
+/// Bit beside the slot in the first number of a head's second line: the next period is of another axis.
+const LAST: u16 = 1 << 3;
 
-/// Polynomial of a cell.
-type Cell<R> = [R; 4];
+/// Four numbers: the polynomial of a cell, or half a head.
+type Line<R> = [R; 4];
+
+/// The periods of a machine, sorted by slots, as lines of numbers: immutable, built once. For each period a head, the cells of
+/// positive travel and, if the directions differ, those of negative travel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Periods<'a, R>(&'a [Line<R>]);
 
 /// One period of an axis.
-#[derive(Clone, Copy, Debug)]
 struct Wave<'a, R> {
-    slot: u8,
-    /// Of positive travel, then, if it differs, of negative travel.
-    cells: &'a [Cell<R>],
-    /// Number of cells of a period, a power of two, less 1.
-    mask: u16,
-    reverse_offset: u16,
-    /// Cells per mm (deg), and per step of the position.
+    slot: usize,
+    /// Whether the next period is of another axis.
+    last: bool,
+    /// [`Position::rate`].
+    rate: u64,
+    cells: &'a [Line<R>],
+    /// Number of cells of a period.
+    count: usize,
+    /// First cell of negative travel.
+    reverse: usize,
+    /// Cells per mm (deg).
     scale: R,
-    per_step: R,
 }
-
-impl<'a, R: Real> Wave<'a, R> {
-    /// Builds a period in borrowed memory; `sense` of the table's angles to the reading, `step` of the position.
-    fn build<'m>(
-        settings: &PeriodicSettings,
-        slot: usize,
-        [sense, step]: [f64; 2],
-        memory: &'m mut [R],
-    ) -> Result<(Self, &'m mut [R]), ConfigError>
-    where
-        'm: 'a,
-    {
-        let (count, needed) = (cells(settings), requirement_of(settings));
-        enough(memory.len(), needed)?;
-        let (lines, rest) = memory.split_at_mut_checked(needed).unwrap_or_default();
-        let lines = lines.as_chunks_mut::<4>().0;
-        let width = settings.length() / count as f64;
-        for (block, negative) in lines.chunks_mut(count).zip([false, true]) {
-            for (index, cell) in block.iter_mut().enumerate() {
-                let [[e0, d0], [e1, d1]] = [index, index + 1].map(|node| {
-                    let [error, slope] = settings.error_and_slope(node as f64 * width, negative);
-                    [sense * error, sense * slope * width]
-                });
-                *cell = [e0, d0, 3.0 * (e1 - e0) - 2.0 * d0 - d1, 2.0 * (e0 - e1) + d0 + d1].map(R::of);
-            }
-        }
-        let reverse_offset = if settings.is_two_sided() { count as u16 } else { 0 };
-        let [scale, per_step] = [1.0, step].map(|unit| R::of(unit / width));
-        // Six axes, and at most 128 cells.
-        Ok((Wave { slot: slot as u8, cells: lines, mask: count as u16 - 1, reverse_offset, scale, per_step }, rest))
-    }
-
-    /// Error at a place from machine zero, in cells; mm (deg).
-    #[inline(always)]
-    fn at(&self, place: R, reverse: Direction) -> R {
-        let whole = place.to_i32();
-        let rest = place - R::of_i32(whole);
-        let (whole, t) = if rest < R::ZERO { (whole.wrapping_sub(1), rest + R::ONE) } else { (whole, rest) };
-        // Beyond 2³¹ cells, where the whole part saturates.
-        let t = t.limit(R::ZERO, R::ONE);
-        let start = usize::from(self.reverse_offset) & reverse.mask();
-        let index = (whole as usize & usize::from(self.mask)).wrapping_add(start);
-        let Some([k0, k1, k2, k3]) = self.cells.get(index) else { return R::ZERO };
-        k0.add_product(t, k1.add_product(t, k2.add_product(t, *k3)))
-    }
-}
-
-/// The periods of a machine: immutable, built once.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Periods<'a, R>([Option<Wave<'a, R>>; PERIODIC_CAPACITY]);
 
 /// Cells of one direction of a period.
 fn cells(settings: &PeriodicSettings) -> usize {
-    (CELLS_PER_WAVE * settings.highest().max(1)).next_power_of_two()
+    CELLS_PER_WAVE * settings.highest().max(1)
 }
 
-fn requirement_of(settings: &PeriodicSettings) -> usize {
-    4 * cells(settings) * (1 + usize::from(settings.is_two_sided()))
+fn lines_of(settings: &PeriodicSettings) -> usize {
+    HEAD + cells(settings) * (1 + usize::from(settings.is_two_sided()))
 }
 
 /// Memory that the periods of a machine need, in scalars of the step.
 pub(super) fn requirement(machine: &MachineSettings) -> usize {
-    machine.periodic.iter().map(requirement_of).sum()
+    machine.periodic.iter().map(|settings| 4 * lines_of(settings)).sum()
+}
+
+/// Writes the lines of a period; `sense` of the table's angles to the reading.
+fn write<R: Real, P: Position>(
+    settings: &PeriodicSettings,
+    slot: usize,
+    last: bool,
+    sense: f64,
+    lines: &mut [Line<R>],
+) {
+    let count = cells(settings);
+    let width = settings.length() / count as f64;
+    let [rate, figures, lines @ ..] = lines else { return };
+    let bits = P::rate(settings.length());
+    *rate = [0, 16, 32, 48].map(|shift| R::of_index((bits >> shift) as u16));
+    let reverse = if settings.is_two_sided() { count } else { 0 };
+    // Six axes, and at most 192 cells.
+    let axis = slot as u16 | if last { LAST } else { 0 };
+    *figures = [R::of_index(axis), R::of_index(count as u16), R::of_index(reverse as u16), R::of(1.0 / width)];
+    for (block, negative) in lines.chunks_mut(count).zip([false, true]) {
+        for (index, cell) in block.iter_mut().enumerate() {
+            let [[e0, d0], [e1, d1]] = [index, index + 1].map(|node| {
+                let [error, slope] = settings.error_and_slope(node as f64 * width, negative);
+                [sense * error, sense * slope * width]
+            });
+            *cell = [e0, d0, 3.0 * (e1 - e0) - 2.0 * d0 - d1, 2.0 * (e0 - e1) + d0 + d1].map(R::of);
+        }
+    }
+}
+
+impl<'a, R: Real> Wave<'a, R> {
+    /// Reads the next period, and returns the lines after it.
+    #[inline(always)]
+    fn next(lines: &'a [Line<R>]) -> Option<(Self, &'a [Line<R>])> {
+        let [[a, b, c, d], [axis, count, reverse, scale], rest @ ..] = lines else { return None };
+        let [a, b, c, d] = [a, b, c, d].map(|part| part.to_index() as u32);
+        let (axis, count, reverse) = (axis.to_index(), count.to_index(), reverse.to_index());
+        let (cells, after) = rest.split_at_checked(count.wrapping_add(reverse))?;
+        let rate = u64::from(d << 16 | c) << 32 | u64::from(b << 16 | a);
+        let wave = Wave {
+            slot: axis & usize::from(LAST - 1),
+            last: axis & usize::from(LAST) != 0,
+            rate,
+            cells,
+            count,
+            reverse,
+            scale: *scale,
+        };
+        Some((wave, after))
+    }
+
+    /// The cell at a place in the period, and where in it.
+    #[inline(always)]
+    fn cell(&self, phase: u32, direction: Direction) -> (Line<R>, R) {
+        // Whole and fraction of the place in cells.
+        let place = u64::from(phase) * self.count as u64;
+        let index = ((place >> 32) as usize).wrapping_add(self.reverse & direction.mask());
+        let t = R::of_i32((place as u32 >> 1) as i32) * R::of(1.0 / (1_u32 << 31) as f64);
+        (self.cells.get(index).copied().unwrap_or_default(), t)
+    }
+
+    /// Error at a position, mm (deg).
+    #[inline(always)]
+    fn at<P: Position>(&self, position: P, direction: Direction) -> R {
+        let (cell, t) = self.cell(position.phase(self.rate), direction);
+        value(&cell, t)
+    }
+
+    /// Error at a position, and its slope, mm per mm (deg).
+    #[inline(always)]
+    fn with_slope<P: Position>(&self, position: P, direction: Direction) -> [R; 2] {
+        let (cell, t) = self.cell(position.phase(self.rate), direction);
+        [value(&cell, t), slope(&cell, t) * self.scale]
+    }
+}
+
+#[inline(always)]
+fn value<R: Real>([k0, k1, k2, k3]: &Line<R>, t: R) -> R {
+    k0.add_product(t, k1.add_product(t, k2.add_product(t, *k3)))
+}
+
+#[inline(always)]
+fn slope<R: Real>([_, k1, k2, k3]: &Line<R>, t: R) -> R {
+    k1.add_product(t, (*k2 + *k2).add_product(t, R::THREE * *k3))
 }
 
 impl<'a, R: Real> Periods<'a, R> {
-    /// Builds the periods of a machine in borrowed memory; `None` if it has none. Returns the rest of the memory.
+    /// Builds the periods of a machine in borrowed memory. Returns the rest of the memory.
     pub(super) fn build<P: Position, const N: usize>(
         order: &AxisOrder<N>,
         machine: &MachineSettings,
-        mut memory: &'a mut [R],
-    ) -> Result<(Option<Self>, &'a mut [R]), ConfigError> {
-        let mut waves = [None; PERIODIC_CAPACITY];
-        let mut free = waves.iter_mut();
-        for settings in &machine.periodic {
-            let (Some(slot), Some(axis)) = (order.slot(settings.axis), machine.axis(settings.axis)) else { continue };
-            let sense = if axis.axis.is_rotary() {
-                f64::from(axis.direction) * if carries_workpiece(&machine.chain, axis.axis) { -1.0 } else { 1.0 }
-            } else {
-                1.0
-            };
-            let (wave, rest) = Wave::build(settings, slot, [sense, P::STEP], memory)?;
-            memory = rest;
-            // As many as the settings hold.
-            if let Some(place) = free.next() {
-                *place = Some(wave);
+        memory: &'a mut [R],
+    ) -> Result<(Self, &'a mut [R]), ConfigError> {
+        let needed = requirement(machine);
+        enough(memory.len(), needed)?;
+        let (own, rest) = memory.split_at_mut_checked(needed).unwrap_or_default();
+        let lines = own.as_chunks_mut::<4>().0;
+        let mut written = 0;
+        for slot in 0..N {
+            let mut all = machine.periodic.iter().filter(|settings| order.slot(settings.axis) == Some(slot)).peekable();
+            while let Some(settings) = all.next() {
+                let Some(axis) = machine.axis(settings.axis) else { continue };
+                let sense = if axis.axis.is_rotary() {
+                    f64::from(axis.direction) * if carries_workpiece(&machine.chain, axis.axis) { -1.0 } else { 1.0 }
+                } else {
+                    1.0
+                };
+                let end = written + lines_of(settings);
+                if let Some(lines) = lines.get_mut(written..end) {
+                    write::<R, P>(settings, slot, all.peek().is_none(), sense, lines);
+                }
+                written = end;
             }
         }
-        let is_any = waves.iter().any(Option::is_some);
-        Ok((is_any.then_some(Periods(waves)), memory))
+        Ok((Periods(lines.get(..written).unwrap_or_default()), rest))
     }
 
-    /// Adds the errors at two positions of X, Y, Z.
-    // Only with periods.
+    /// Whether there are none.
     #[inline(always)]
-    pub(crate) fn add_to_both<P: Position>(
-        &self,
-        positions: [&[P; 3]; 2],
-        directions: &[Direction; 3],
-        errors: &mut [[R; 3]; 2],
-    ) {
-        let ([there, back], [of_command, of_feedback]) = (positions, errors);
-        let zero = P::of(0.0);
-        // At most 6 rounds: the settings hold no more periods.
-        for wave in self.0.iter().map_while(Option::as_ref) {
-            let slot = usize::from(wave.slot);
-            let (Some(there), Some(back), Some(direction)) = (there.get(slot), back.get(slot), directions.get(slot))
-            else {
-                continue;
-            };
-            let place = |position: &P| position.steps_above::<R>(zero, P::Reach::default()).0 * wave.per_step;
-            if let (Some(command), Some(feedback)) = (of_command.get_mut(slot), of_feedback.get_mut(slot)) {
-                *command += wave.at(place(there), *direction);
-                *feedback += wave.at(place(back), *direction);
-            }
-        }
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 
-    /// Adds the errors at positions from machine zero, mm (deg).
+    /// Completes the tables' corrections of a cycle by those of the periods, and adds the errors at the feedback to those of
+    /// the tip. `drive`: command with the correction sent last.
     // Only with periods.
     #[inline(never)]
-    pub(crate) fn add_to<const N: usize>(
+    pub(crate) fn complete<P: Position, const N: usize>(
         &self,
-        positions: &[R; N],
-        directions: &[Direction; N],
-        errors: &mut Errors<R, N>,
+        [command, drive, feedback]: [&[P; N]; 3],
+        reversal: &[Reversal<P>; N],
+        wanted: &mut [R; N],
+        tip_error: &mut [R; N],
     ) {
+        let mut lines = self.0;
+        let [mut error, mut slope, mut tip] = [R::ZERO; 3];
         // At most 6 rounds: the settings hold no more periods.
-        for wave in self.0.iter().map_while(Option::as_ref) {
-            let slot = usize::from(wave.slot);
-            let (Some(position), Some(direction), Some(error)) =
-                (positions.get(slot), directions.get(slot), errors.get_mut(slot))
+        for _ in 0..PERIODIC_CAPACITY {
+            let Some((wave, after)) = Wave::next(lines) else { return };
+            lines = after;
+            let slot = wave.slot;
+            let (Some(drive), Some(back), Some(reversal)) = (drive.get(slot), feedback.get(slot), reversal.get(slot))
             else {
-                continue;
+                return;
             };
-            *error += wave.at(*position * wave.scale, *direction);
+            let [here, rise] = wave.with_slope(*drive, reversal.direction());
+            error += here;
+            slope += rise;
+            tip += wave.at(*back, reversal.direction());
+            if !wave.last {
+                continue;
+            }
+            if let (Some(command), Some(wanted), Some(tip_error)) =
+                (command.get(slot), wanted.get_mut(slot), tip_error.get_mut(slot))
+            {
+                let sent: R = drive.since_near(*command);
+                *wanted = sent + (*wanted - error - sent) / (R::ONE + slope);
+                *tip_error += tip;
+            }
+            [error, slope, tip] = [R::ZERO; 3];
         }
     }
-}
 
-/// Position from machine zero, mm (deg).
-#[inline(always)]
-pub(crate) fn from_zero<R: Real, P: Position>(position: P) -> R {
-    position.since_near(P::of(0.0))
+    /// Error and slope of the axis in a slot at a position from machine zero, mm (deg).
+    // Only with periods.
+    #[inline(never)]
+    pub(super) fn of_axis(&self, slot: usize, position: R, direction: Direction) -> [R; 2] {
+        let mut lines = self.0;
+        let mut sum = [R::ZERO; 2];
+        // At most 6 rounds: the settings hold no more periods.
+        for _ in 0..PERIODIC_CAPACITY {
+            let Some((wave, after)) = Wave::next(lines) else { break };
+            lines = after;
+            if wave.slot != slot {
+                continue;
+            }
+            let periods = position * wave.scale / R::of_i32(wave.count as i32);
+            let part = periods - R::of_i32(periods.to_i32());
+            // A negative part wraps.
+            let phase = ((part * R::of((1_u32 << 31) as f64)).to_i32() as u32) << 1;
+            let (cell, t) = wave.cell(phase, direction);
+            let [error, rise] = &mut sum;
+            *error += value(&cell, t);
+            *rise += slope(&cell, t) * wave.scale;
+        }
+        sum
+    }
 }

@@ -155,6 +155,10 @@ impl<R: Real, P: Position, const N: usize> DynamicState<R, P, N> {
         &self.offsets
     }
 
+    pub(crate) fn offsets_mut(&mut self) -> &mut [P::Offset; N] {
+        &mut self.offsets
+    }
+
     /// Command plus geometric correction of the last cycle.
     #[inline(always)]
     pub(crate) fn drive(&self) -> &[P; N] {

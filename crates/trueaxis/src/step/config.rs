@@ -118,11 +118,10 @@ impl<'m, 'g> Config<'m, 'g> {
             libm::sqrt(squares.sum())
         };
         let motion = self.machine.faults.command_jump_factor * in_a_cycle(|axis| axis.max_feed_per_s);
-        let norm = crate::check::jacobian_norm(self.machine, rows, &bounds);
+        let norms = crate::check::jacobian_norms(self.machine, rows, &bounds);
         let changes = [motion, in_a_cycle(|axis| axis.limits.slope_per_s)];
         let grids = compensation.grids().map(Grids::key);
-        let beside = (grids, compensation.periods().is_some());
-        let tables = Tables::new(compensation.nine_terms(), beside, norm, changes, self.inverse_passes);
+        let tables = Tables::new(compensation.nine_terms(), grids, norms, changes, self.inverse_passes);
         Ok(ServoLoop {
             order,
             sampler: Sampler::new(&order, self.machine, self.period_ns),

@@ -28,6 +28,14 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         place
     }
 
+    /// Exchanges the geometric correction sent last.
+    // Only with periods.
+    pub(super) fn exchange_offsets(&self, state: &mut State<R, P, N>, offsets: &mut [P::Offset; N]) {
+        let is_dynamic = self.dynamic().is_some() && state.dynamic.is_for(state.sequence);
+        let own = if is_dynamic { state.dynamic.offsets_mut() } else { state.output.offsets_mut() };
+        core::mem::swap(own, offsets);
+    }
+
     /// The dynamic correction; `None` if no part of it is configured.
     #[inline(always)]
     pub(super) fn dynamic(&self) -> Option<&DynamicStage<R, P, N>> {

@@ -2,7 +2,8 @@
 //!
 //! | cycle | modelled by |
 //! |---|---|
-//! | active, nine terms in one pass, no axis has reversed or left its cell | `model` itself, in the cached cells; with periods `model_with_periods` |
+//! | active, nine terms in one pass, no axis has reversed or left its cell | `model` itself, in the cached cells |
+//! | any with periods | `model_with_periods`, which adds them to one of these rows |
 //! | any other with nine terms that have cells: cells left, a reversal, new tables or growth, several passes | `model_in_some_cells` |
 //! | volumetric tables looked up at the command | `model_in_tangents` |
 //! | tables without cells | `model_by_lookup` |
@@ -15,7 +16,7 @@
 use super::{ServoLoop, State};
 use crate::compensation::volumetric::Cycle;
 use crate::compensation::{
-    CycleGrids, Direction, NineTerms, PASSES_MASK, Query, Reversal, Source, Volumetric, from_zero,
+    CycleGrids, Direction, NineTerms, PASSES_MASK, Periods, Query, Reversal, Source, Volumetric,
 };
 use crate::position::Position;
 use crate::real::Real;
@@ -65,29 +66,77 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             {
                 return Modelled::of_errors(errors, at_edge);
             }
-            if let Some(modelled) = self.model_with_periods(state, sample) {
-                return modelled;
-            }
             return self.model_outside_left_cells(state, sample);
+        }
+        if let Some(periods) = self.compensation.periods() {
+            return self.model_with_periods(state, sample, periods, needs_tilt);
         }
         self.model_outside_cells(state, sample, needs_tilt)
     }
 
-    /// Models a cycle that stays within its cells on a machine with periods.
-    #[inline(always)]
-    fn model_with_periods(&self, state: &State<R, P, N>, sample: &Sample<P, N>) -> Option<Modelled<R, N>> {
-        match self.compensation.periods() {
-            None => None,
-            // Only with periods.
-            Some(periods) => {
-                let (command, feedback) = (first(&self.place(state, sample.command))?, first(sample.feedback)?);
-                let directions = state.reversal.first_chunk()?.map(|reversal| reversal.direction());
-                let places = [&command, &feedback];
-                let (errors, at_edge) =
-                    state.cells.errors_with_periods(&self.tables, &state.grids, periods, places, &directions)?;
-                Some(Modelled::of_errors(errors, at_edge))
+    /// Models any cycle of a machine with periods.
+    ///
+    /// The tables see the same drives and a machine without periods: the command moved by their correction, and the rest of the
+    /// correction sent last.
+    // Only with periods.
+    #[inline(never)]
+    fn model_with_periods(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        periods: &Periods<'_, R>,
+        needs_tilt: bool,
+    ) -> Modelled<R, N> {
+        let drive = self.place(state, sample.command);
+        let places = [sample.command, &drive, sample.feedback];
+        let mut modelled = if let Some(modelled) = self.model_in_kept_cells(state, sample, &drive) {
+            modelled
+        } else {
+            let (mut sent, mut of_tables) = ([R::ZERO; N], [R::ZERO; N]);
+            for ((sent, of_tables), (drive, command)) in
+                sent.iter_mut().zip(&mut of_tables).zip(drive.iter().zip(sample.command))
+            {
+                *sent = drive.since_near(*command);
+                *of_tables = *sent;
             }
+            // Of a correction that the tables leave as it is, only the periods' part changes.
+            periods.complete(places, &state.reversal, &mut of_tables, &mut [R::ZERO; N]);
+            let (mut command, mut offsets) = (*sample.command, [P::offset(R::ZERO); N]);
+            for (((command, offset), drive), (sent, of_tables)) in
+                command.iter_mut().zip(&mut offsets).zip(&drive).zip(sent.iter().zip(&of_tables))
+            {
+                *command = command.moved(P::offset(*of_tables - *sent));
+                *offset = P::offset::<R>(drive.since_near(*command));
+            }
+            self.exchange_offsets(state, &mut offsets);
+            let modelled = self.model_outside_cells(state, &Sample { command: &command, ..*sample }, needs_tilt);
+            self.exchange_offsets(state, &mut offsets);
+            modelled
+        };
+        if sample.homed && matches!(sample.verdict, Verdict::Active | Verdict::Inactive) {
+            periods.complete(places, &state.reversal, &mut modelled.wanted, &mut modelled.tip_error);
         }
+        modelled
+    }
+
+    /// Models a cycle with periods that stays within its cells, without them.
+    // Only with periods.
+    #[inline(always)]
+    fn model_in_kept_cells(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        drive: &[P; N],
+    ) -> Option<Modelled<R, N>> {
+        let is_calm = sample.verdict == Verdict::Active
+            && state.cells.are_direct_with_periods(&self.tables)
+            && self.all_continue(state);
+        if !is_calm {
+            return None;
+        }
+        let (there, back) = (drive.first_chunk()?, sample.feedback.first_chunk()?);
+        let (errors, at_edge) = state.cells.errors_beside_periods(&self.tables, &state.grids, there, back)?;
+        Some(Modelled::of_errors(errors, at_edge))
     }
 
     /// Whether no drive has reversed.
@@ -181,8 +230,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
             }
         }
         let grids = grids.map(|grids| (grids, &state.grids));
-        let periods = self.compensation.periods();
-        let source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, grids, periods };
+        let source = Source { terms, tables: &self.tables, directions, thermal: &state.thermal, grids };
         for _ in 0..fills {
             if !source.refill(&mut state.cells, &at, sample.feedback) {
                 break;
@@ -224,20 +272,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         needs_tilt: bool,
     ) -> Modelled<R, N> {
         let mut at_edge = 0;
-        let (feedback, thermal) = (sample.feedback, &state.thermal);
-        let drive = &self.place(state, sample.command);
-        let (mut moved, mut of_periods) = ([P::default(); N], [R::ZERO; N]);
-        let command = match self.compensation.periods() {
-            None => sample.command,
-            Some(periods) => {
-                // Looked up where the drives are, the inverse starts at a command that the periods have moved already.
-                periods.add_to(&drive.map(from_zero), directions, &mut of_periods);
-                for ((moved, command), error) in moved.iter_mut().zip(sample.command).zip(of_periods) {
-                    *moved = command.moved(P::offset(-error));
-                }
-                &moved
-            }
-        };
+        let (command, feedback, thermal) = (sample.command, sample.feedback, &state.thermal);
+        let drive = &self.place(state, command);
         let cycle = Cycle { command, drive, feedback, directions, thermal, tables: &self.tables };
         let passes = self.compensation.passes();
         let grids = self.compensation.grids().and_then(|grids| {
@@ -255,14 +291,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         for (error, tip) in tip_error.iter_mut().zip(tip.array()) {
             *error = tip;
         }
-        let mut modelled = Modelled { wanted, tip_error, tilt, at_edge };
-        if let Some(periods) = self.compensation.periods() {
-            periods.add_to(&feedback.map(from_zero), directions, &mut modelled.tip_error);
-            for (wanted, error) in modelled.wanted.iter_mut().zip(of_periods) {
-                *wanted -= error;
-            }
-        }
-        modelled
+        Modelled { wanted, tip_error, tilt, at_edge }
     }
 
     /// Any tables, looked up without a cache. The passes of the inverse start from no correction.
@@ -278,7 +307,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let mut at_edge = 0;
         let command = self.compensation.coordinates(sample.command);
         let feedback = self.compensation.coordinates(sample.feedback);
-        let wanted = self.compensation.correction(
+        let wanted = self.compensation.correction_of_tables(
             &Query { command: &command, feedback: &feedback, directions, thermal: &state.thermal },
             &mut at_edge,
         );
@@ -286,13 +315,13 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         let (mut tip_error, mut tilt) = ([R::ZERO; N], V3::ZERO);
         match self.compensation.volumetric() {
             Some(_) if needs_tilt => {
-                let pose = self.compensation.pose_error(&Query::at(&feedback, directions, thermal), &mut 0);
+                let pose = self.compensation.pose_error_of_tables(&Query::at(&feedback, directions, thermal), &mut 0);
                 for (error, tip) in tip_error.iter_mut().zip(pose.tip.into()) {
                     *error = tip;
                 }
                 tilt = V3::from_glam(pose.orientation);
             }
-            _ => tip_error = self.compensation.errors(&Query::at(&feedback, directions, thermal), &mut 0),
+            _ => tip_error = self.compensation.errors_of_tables(&Query::at(&feedback, directions, thermal), &mut 0),
         }
         Modelled { wanted, tip_error, tilt, at_edge }
     }

@@ -4,8 +4,6 @@ use super::LINEAR;
 use super::cell::{Cell, Window, plus};
 use super::tables::{Binding, Form, InverseEnd, Tables};
 use crate::compensation::grid::{Grids, Near, NearGrids, Side};
-use crate::compensation::periodic::Periods;
-use crate::compensation::reversal::Direction;
 use crate::compensation::thermal::ThermalLine;
 use crate::part;
 use crate::position::Position;
@@ -88,11 +86,17 @@ impl<R: Real, P: Position> Cells<R, P> {
         }
     }
 
-    /// Whether the cache is bound to these tables and their inverse takes one pass: a calm cycle may read the cells
-    /// directly.
+    /// Whether the cache is bound to these tables, their inverse takes one pass and no periods add to them: a calm cycle may
+    /// read the cells directly.
     #[inline(always)]
     pub(crate) fn are_direct(&self, tables: &Tables<R, P>) -> bool {
         self.binding == tables.direct
+    }
+
+    /// [`Cells::are_direct`] of tables to which periods add.
+    // Only with periods.
+    pub(crate) fn are_direct_with_periods(&self, tables: &Tables<R, P>) -> bool {
+        self.passes == 1 && self.binding == tables.direct.by_several_passes()
     }
 
     /// Binds the cache to these tables. Empties it and returns `true` if it was bound to none or to others.
@@ -102,7 +106,8 @@ impl<R: Real, P: Position> Cells<R, P> {
             return false;
         }
         (self.passes, self.end) = tables.passes(thermal);
-        self.binding = if self.passes == 1 { direct } else { by_several };
+        let is_direct = self.passes == 1 && !tables.have_periods();
+        self.binding = if is_direct { direct } else { by_several };
         (0..LINEAR).for_each(|slot| self.forget_axis(slot));
         true
     }
@@ -151,7 +156,7 @@ impl<R: Real, P: Position> Cells<R, P> {
     }
 
     /// Errors at command and feedback, in mm, and the axes whose command is beyond their tables or grids; `None` if any
-    /// axis has left its cell, or if errors without cells add to them.
+    /// axis has left its cell.
     #[inline(always)]
     pub(crate) fn errors(
         &self,
@@ -168,39 +173,26 @@ impl<R: Real, P: Position> Cells<R, P> {
                 part::GRIDS?;
                 return self.errors_with_grids(tables, near, command, feedback);
             }
-            Form::WithPeriods => return None,
         })
+    }
+
+    /// [`Cells::errors`] of tables to which periods add: one copy for any number of axes.
+    // Only with periods.
+    #[inline(never)]
+    pub(crate) fn errors_beside_periods(
+        &self,
+        tables: &Tables<R, P>,
+        near: &NearGrids<R, P>,
+        command: &[P; LINEAR],
+        feedback: &[P; LINEAR],
+    ) -> Option<([[R; 3]; 2], u8)> {
+        self.errors(tables, near, command, feedback)
     }
 
     /// Sums of the polynomials at command and feedback.
     #[inline(always)]
     fn sums(&self, there: [R; LINEAR], back: [R; LINEAR], cubic: bool) -> [[R; 3]; 2] {
         [self.command.sum(there, cubic), self.feedback.sum(back, cubic)]
-    }
-
-    /// [`Cells::errors`] with periods, which add to all others.
-    // Only with periods.
-    #[inline(never)]
-    pub(crate) fn errors_with_periods(
-        &self,
-        tables: &Tables<R, P>,
-        near: &NearGrids<R, P>,
-        periods: &Periods<'_, R>,
-        [command, feedback]: [&[P; LINEAR]; 2],
-        directions: &[Direction; LINEAR],
-    ) -> Option<([[R; 3]; 2], u8)> {
-        let (mut errors, at_edge) = if tables.has_grids() {
-            self.errors_with_grids(tables, near, command, feedback)?
-        } else {
-            let (there, back) = (self.command.steps(*command)?, self.feedback.steps(*feedback)?);
-            let sums = match tables.is_cubic() {
-                true => self.sums(there, back, true),
-                false => self.sums(there, back, false),
-            };
-            (sums, self.at_edge)
-        };
-        periods.add_to_both([command, feedback], directions, &mut errors);
-        Some((errors, at_edge))
     }
 
     /// [`Cells::errors`] with grids: out of line, so that a machine without grids keeps its registers.

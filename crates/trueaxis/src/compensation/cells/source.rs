@@ -5,7 +5,6 @@ use super::cell::{Cell, Window, plus, times};
 use super::tables::{Borders, Tables};
 use crate::compensation::grid::{Grids, Near, NearGrids};
 use crate::compensation::nine::NineTerms;
-use crate::compensation::periodic::{Periods, from_zero};
 use crate::compensation::reversal::Direction;
 use crate::compensation::table::{Piece, xyz};
 use crate::compensation::thermal::ThermalLine;
@@ -24,8 +23,6 @@ pub(crate) struct Source<'n, R, P: Position, const N: usize> {
     pub(crate) thermal: &'n [ThermalLine<R>; N],
     /// Grids beside the tables, and their boxes.
     pub(crate) grids: Option<(&'n Grids<'n, R>, &'n NearGrids<R, P>)>,
-    /// Periods beside the tables.
-    pub(crate) periods: Option<&'n Periods<'n, R>>,
 }
 
 impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
@@ -50,10 +47,6 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
             Some(error) => (error, at_edge),
             None => self.terms.errors_at(at, self.directions, self.thermal),
         };
-        let error = match self.periods {
-            None => error,
-            Some(periods) => self.with_periods(periods, error, positions),
-        };
         match (self.grids, near) {
             // Only with grids.
             (Some((grids, _)), Some(near)) => {
@@ -62,18 +55,6 @@ impl<R: Real, P: Position, const N: usize> Source<'_, R, P, N> {
             }
             _ => (error, edge),
         }
-    }
-
-    /// Errors with those of the periods at a position.
-    // Only with periods.
-    #[inline(never)]
-    fn with_periods(&self, periods: &Periods<'_, R>, error: [R; 3], positions: &[P; N]) -> [R; 3] {
-        let mut errors = [R::ZERO; N];
-        for (sum, error) in errors.iter_mut().zip(error) {
-            *sum = error;
-        }
-        periods.add_to(&positions.map(from_zero), self.directions, &mut errors);
-        errors.first_chunk().copied().unwrap_or(error)
     }
 
     /// Errors that grids add at a position: in their box if it holds that.

@@ -25,7 +25,7 @@ const GAP_MM: f64 = 1e-6;
 /// | 0 | no tables |
 /// | 1 | tables without cells, to which no cache is ever bound |
 /// | k | the tables of this key, read directly: their inverse takes one pass |
-/// | !k | the same, not read directly: their inverse takes several |
+/// | !k | the same, not read directly: their inverse takes several, or periods add to them |
 ///
 /// k has bit 1 set and bit 63 clear, so no two rows are equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,8 +78,6 @@ pub(crate) enum Form {
     Cubic,
     /// Either, with grids beside them.
     WithGrids,
-    /// Either, with periods and perhaps grids beside them; periods have no cells.
-    WithPeriods,
 }
 
 /// Borders of the cells and bounds of the inverse: immutable, built once.
@@ -89,10 +87,11 @@ pub(crate) struct Tables<R, P: Position> {
     pub(super) direct: Binding,
     form: Form,
     cubic: bool,
-    has_grids: bool,
     pub(super) borders: [Borders<R, P>; LINEAR],
-    /// Norm of the Jacobian of the errors, without thermal growth.
+    /// Norm of the Jacobian of the errors, without thermal growth and periods.
     norm: R,
+    /// Norm of the Jacobian of the periods' errors.
+    of_periods: R,
     /// Farthest that a command moves in a cycle, mm.
     motion: R,
     /// Largest change of the correction in a cycle, mm.
@@ -102,12 +101,12 @@ pub(crate) struct Tables<R, P: Position> {
 }
 
 impl<R: Real, P: Position> Tables<R, P> {
-    /// `grids`: key of the grids beside the tables, and whether there are `periods`. `norm` of the errors' Jacobian, `most` passes of the inverse; per
-    /// cycle, the largest `motion` of the command and `change` of the correction, mm.
+    /// `grids`: key of the grids beside the tables. Norms of the errors' Jacobian, of tables and grids and of the periods;
+    /// `most` passes of the inverse; per cycle, the largest `motion` of the command and `change` of the correction, mm.
     pub(crate) fn new<const N: usize>(
         terms: Option<&NineTerms<'_, R, P, N>>,
-        (grids, periods): (Option<u64>, bool),
-        norm: f64,
+        grids: Option<u64>,
+        [norm, of_periods]: [f64; 2],
         [motion, change]: [f64; 2],
         most: u8,
     ) -> Self {
@@ -115,20 +114,19 @@ impl<R: Real, P: Position> Tables<R, P> {
             direct: Binding::WITHOUT_CELLS,
             form: Form::Linear,
             cubic: false,
-            has_grids: grids.is_some(),
             borders: [Borders::of(&AxisTable::zero()); LINEAR],
             norm: R::of(norm),
+            of_periods: R::of(of_periods),
             motion: R::of(motion),
             change: R::of(change),
             most,
         };
         let Some((terms, cubic)) = terms.and_then(|terms| Some((terms, terms.cells()?))) else { return built };
         built.cubic = cubic;
-        built.form = match (periods, grids, cubic) {
-            (true, ..) => Form::WithPeriods,
-            (_, Some(_), _) => Form::WithGrids,
-            (_, None, true) => Form::Cubic,
-            (_, None, false) => Form::Linear,
+        built.form = match (grids, cubic) {
+            (Some(_), _) => Form::WithGrids,
+            (None, true) => Form::Cubic,
+            (None, false) => Form::Linear,
         };
         for (borders, table) in built.borders.iter_mut().zip(&terms.tables) {
             *borders = Borders::of(table);
@@ -136,6 +134,9 @@ impl<R: Real, P: Position> Tables<R, P> {
         let mut key = Key(0);
         terms.numbers(&mut |number| key.add_number(number));
         key.add_all(&[norm, motion, change, f64::from(most)]);
+        if of_periods != 0.0 {
+            key.add_all(&[of_periods]);
+        }
         key.add(grids.unwrap_or(0));
         built.direct = Binding::direct(key.0);
         built
@@ -153,10 +154,9 @@ impl<R: Real, P: Position> Tables<R, P> {
         self.cubic
     }
 
-    /// Whether there are grids beside the tables.
-    #[inline(always)]
-    pub(super) fn has_grids(&self) -> bool {
-        self.has_grids
+    /// Whether periods add to the tables.
+    pub(super) fn have_periods(&self) -> bool {
+        self.of_periods != R::ZERO
     }
 
     /// Whether the tables have cells to cache.
@@ -180,14 +180,16 @@ impl<R: Real, P: Position> Tables<R, P> {
     ///
     /// While locked on, the limiter sends r, and |c − r| is the change of r since the last cycle: by motion, at most
     /// κ |Δq| / (1 − κ), and at most the change that the limiter passes. While the limiter approaches, c − r is the
-    /// remaining distance, and the error vanishes with it. If anything but motion changes r, every pass says how far it moved
+    /// remaining distance, and the error vanishes with it. Periods have an inverse of their own ([`super::super::periodic`]);
+    /// here they only add to the change of r. If anything but motion changes r, every pass says how far it moved
     /// the correction: [`InverseEnd`].
     pub(super) fn passes<const N: usize>(&self, thermal: &[ThermalLine<R>; N]) -> (u8, InverseEnd<R>) {
         let end = self.inverse_end(INVERSE_MM, thermal);
         let norm = end.norm;
         let rest = R::ONE - norm;
-        let by_motion = norm * self.motion;
-        let change = if by_motion < self.change * rest { by_motion / rest } else { self.change };
+        let (all, rest_of_all) = (norm + self.of_periods, rest - self.of_periods);
+        let by_motion = all * self.motion;
+        let change = if by_motion < self.change * rest_of_all { by_motion / rest_of_all } else { self.change };
         let mut error = norm * change;
         let mut passes = 1;
         // At most 1 rounds without many_passes, else 7.

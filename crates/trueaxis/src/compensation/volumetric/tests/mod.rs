@@ -192,7 +192,7 @@ fn drive<const N: usize>(random: &mut Noise, case: &Case, passes: u8, most: f64)
     case.with::<f64, f64, N, _>(|model| {
         let mut cache = TangentCache::empty();
         let terms = None::<&NineTerms<'_, f64, f64, N>>;
-        let tables = Tables::new(terms, (None, false), norm, [1.0, most * libm::sqrt(N as f64)], passes);
+        let tables = Tables::new(terms, None, [norm, 0.0], [1.0, most * libm::sqrt(N as f64)], passes);
         let (mut command, mut sent) = (Case::place::<N>(random).map(|q| q * 0.9), [0.0; N]);
         let (mut directions, thermal) = Case::conditions::<f64, N>(random);
         let mut speed = [0.0; N];
