@@ -197,7 +197,7 @@ impl<'a, R: Real> Periods<'a, R> {
     }
 
     /// Completes the tables' corrections of a cycle by those of the periods, and adds the errors at the feedback to those of
-    /// the tip. `drive`: command with the correction sent last.
+    /// the tip. `drive`: command with the correction sent last. Returns the square of the way from there, of these axes.
     // Only with periods.
     #[inline(never)]
     pub(crate) fn complete<P: Position, const N: usize>(
@@ -206,17 +206,18 @@ impl<'a, R: Real> Periods<'a, R> {
         reversal: &[Reversal<P>; N],
         wanted: &mut [R; N],
         tip_error: &mut [R; N],
-    ) {
+    ) -> R {
+        let mut square = R::ZERO;
         let mut lines = self.0;
         let [mut error, mut slope, mut tip] = [R::ZERO; 3];
         // At most 6 rounds: the settings hold no more periods.
         for _ in 0..PERIODIC_CAPACITY {
-            let Some((wave, after)) = Wave::next(lines) else { return };
+            let Some((wave, after)) = Wave::next(lines) else { break };
             lines = after;
             let slot = wave.slot;
             let (Some(drive), Some(back), Some(reversal)) = (drive.get(slot), feedback.get(slot), reversal.get(slot))
             else {
-                return;
+                break;
             };
             let [here, rise] = wave.with_slope(*drive, reversal.direction());
             error += here;
@@ -229,11 +230,14 @@ impl<'a, R: Real> Periods<'a, R> {
                 (command.get(slot), wanted.get_mut(slot), tip_error.get_mut(slot))
             {
                 let sent: R = drive.since_near(*command);
-                *wanted = sent + (*wanted - error - sent) / (R::ONE + slope);
+                let way = (*wanted - error - sent) / (R::ONE + slope);
+                *wanted = sent + way;
+                square += way * way;
                 *tip_error += tip;
             }
             [error, slope, tip] = [R::ZERO; 3];
         }
+        square
     }
 
     /// Error and slope of the axis in a slot at a position from machine zero, mm (deg).

@@ -74,10 +74,8 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.model_outside_cells(state, sample, needs_tilt)
     }
 
-    /// Models any cycle of a machine with periods.
-    ///
-    /// The tables see the same drives and a machine without periods: the command moved by their correction, and the rest of the
-    /// correction sent last.
+    /// Models any cycle of a machine with periods, in a second round if their correction has moved so far that the tables
+    /// differ there.
     // Only with periods.
     #[inline(never)]
     fn model_with_periods(
@@ -87,35 +85,61 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         periods: &Periods<'_, R>,
         needs_tilt: bool,
     ) -> Modelled<R, N> {
-        let drive = self.place(state, sample.command);
-        let places = [sample.command, &drive, sample.feedback];
-        let mut modelled = if let Some(modelled) = self.model_in_kept_cells(state, sample, &drive) {
-            modelled
-        } else {
-            let (mut sent, mut of_tables) = ([R::ZERO; N], [R::ZERO; N]);
-            for ((sent, of_tables), (drive, command)) in
-                sent.iter_mut().zip(&mut of_tables).zip(drive.iter().zip(sample.command))
-            {
-                *sent = drive.since_near(*command);
-                *of_tables = *sent;
+        let mut drive = self.place(state, sample.command);
+        let mut modelled = Modelled::NOTHING;
+        // At most 2 rounds: of the first round's error the tables' slope is left.
+        for is_last in [false, true] {
+            let places = [sample.command, &drive, sample.feedback];
+            modelled = match self.model_in_kept_cells(state, sample, &drive) {
+                Some(modelled) => modelled,
+                None => self.model_beside_periods(state, sample, periods, &drive, needs_tilt),
+            };
+            if !(sample.homed && matches!(sample.verdict, Verdict::Active | Verdict::Inactive)) {
+                break;
             }
-            // Of a correction that the tables leave as it is, only the periods' part changes.
-            periods.complete(places, &state.reversal, &mut of_tables, &mut [R::ZERO; N]);
-            let (mut command, mut offsets) = (*sample.command, [P::offset(R::ZERO); N]);
-            for (((command, offset), drive), (sent, of_tables)) in
-                command.iter_mut().zip(&mut offsets).zip(&drive).zip(sent.iter().zip(&of_tables))
-            {
-                *command = command.moved(P::offset(*of_tables - *sent));
-                *offset = P::offset::<R>(drive.since_near(*command));
+            let Modelled { wanted, tip_error, .. } = &mut modelled;
+            let square = periods.complete(places, &state.reversal, wanted, tip_error);
+            if is_last || state.cells.end_with_periods(&self.tables, &state.thermal).is_reached(square) {
+                break;
             }
-            self.exchange_offsets(state, &mut offsets);
-            let modelled = self.model_outside_cells(state, &Sample { command: &command, ..*sample }, needs_tilt);
-            self.exchange_offsets(state, &mut offsets);
-            modelled
-        };
-        if sample.homed && matches!(sample.verdict, Verdict::Active | Verdict::Inactive) {
-            periods.complete(places, &state.reversal, &mut modelled.wanted, &mut modelled.tip_error);
+            for ((drive, command), wanted) in drive.iter_mut().zip(sample.command).zip(wanted) {
+                *drive = command.moved(P::offset(*wanted));
+            }
         }
+        modelled
+    }
+
+    /// The tables' part of any cycle with periods: the tables see a machine without periods with these drives. Their command
+    /// is moved by the periods' correction, and the rest of the correction counts as sent.
+    // Only with periods.
+    #[inline(never)]
+    fn model_beside_periods(
+        &self,
+        state: &mut State<R, P, N>,
+        sample: &Sample<P, N>,
+        periods: &Periods<'_, R>,
+        drive: &[P; N],
+        needs_tilt: bool,
+    ) -> Modelled<R, N> {
+        let (mut sent, mut of_tables) = ([R::ZERO; N], [R::ZERO; N]);
+        for ((sent, of_tables), (drive, command)) in
+            sent.iter_mut().zip(&mut of_tables).zip(drive.iter().zip(sample.command))
+        {
+            *sent = drive.since_near(*command);
+            *of_tables = *sent;
+        }
+        // Of a correction that the tables leave as it is, only the periods' part changes.
+        periods.complete([sample.command, drive, drive], &state.reversal, &mut of_tables, &mut [R::ZERO; N]);
+        let (mut command, mut offsets) = (*sample.command, [P::offset(R::ZERO); N]);
+        for (((command, offset), drive), (sent, of_tables)) in
+            command.iter_mut().zip(&mut offsets).zip(drive).zip(sent.iter().zip(&of_tables))
+        {
+            *command = command.moved(P::offset(*of_tables - *sent));
+            *offset = P::offset::<R>(drive.since_near(*command));
+        }
+        self.exchange_offsets(state, &mut offsets);
+        let modelled = self.model_outside_cells(state, &Sample { command: &command, ..*sample }, needs_tilt);
+        self.exchange_offsets(state, &mut offsets);
         modelled
     }
 

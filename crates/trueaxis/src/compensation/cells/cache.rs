@@ -2,7 +2,7 @@
 
 use super::LINEAR;
 use super::cell::{Cell, Window, plus};
-use super::tables::{Binding, Form, InverseEnd, Tables};
+use super::tables::{Binding, Form, INVERSE_MM, InverseEnd, Tables};
 use crate::compensation::grid::{Grids, Near, NearGrids, Side};
 use crate::compensation::thermal::ThermalLine;
 use crate::part;
@@ -120,6 +120,16 @@ impl<R: Real, P: Position> Cells<R, P> {
     /// Where the inverse ends in a cycle in which more than the position changed.
     pub(crate) fn inverse_end(&self) -> InverseEnd<R> {
         self.end
+    }
+
+    /// Where a cycle with periods ends, of tables with cells or without.
+    // Only with periods.
+    pub(crate) fn end_with_periods<const N: usize>(
+        &self,
+        tables: &Tables<R, P>,
+        thermal: &[ThermalLine<R>; N],
+    ) -> InverseEnd<R> {
+        if tables.has_cells() { self.end } else { tables.inverse_end(INVERSE_MM, thermal) }
     }
 
     /// Moves a box of the grids that a position has left, the command's before the feedback's, and drops the cells that

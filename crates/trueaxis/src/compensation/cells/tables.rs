@@ -9,7 +9,7 @@ use crate::position::Position;
 use crate::real::Real;
 
 /// Error, mm, that the inverse may leave if it starts from the last cycle's correction: half of its tolerance.
-const INVERSE_MM: f64 = 0.5e-6;
+pub(super) const INVERSE_MM: f64 = 0.5e-6;
 /// Error, mm, that a cell may have beyond its ends: a third of the other half, for three axes.
 const OVERLAP_MM: f64 = 0.5e-6 / 3.0;
 /// Extent of the cell beyond a table's end, mm.
@@ -180,16 +180,15 @@ impl<R: Real, P: Position> Tables<R, P> {
     ///
     /// While locked on, the limiter sends r, and |c − r| is the change of r since the last cycle: by motion, at most
     /// κ |Δq| / (1 − κ), and at most the change that the limiter passes. While the limiter approaches, c − r is the
-    /// remaining distance, and the error vanishes with it. Periods have an inverse of their own ([`super::super::periodic`]);
-    /// here they only add to the change of r. If anything but motion changes r, every pass says how far it moved
+    /// remaining distance, and the error vanishes with it. How far periods move it, every
+    /// cycle with them says. If anything but motion changes r, every pass says how far it moved
     /// the correction: [`InverseEnd`].
     pub(super) fn passes<const N: usize>(&self, thermal: &[ThermalLine<R>; N]) -> (u8, InverseEnd<R>) {
         let end = self.inverse_end(INVERSE_MM, thermal);
         let norm = end.norm;
         let rest = R::ONE - norm;
-        let (all, rest_of_all) = (norm + self.of_periods, rest - self.of_periods);
-        let by_motion = all * self.motion;
-        let change = if by_motion < self.change * rest_of_all { by_motion / rest_of_all } else { self.change };
+        let by_motion = norm * self.motion;
+        let change = if by_motion < self.change * rest { by_motion / rest } else { self.change };
         let mut error = norm * change;
         let mut passes = 1;
         // At most 1 rounds without many_passes, else 7.
