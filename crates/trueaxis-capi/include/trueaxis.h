@@ -145,12 +145,12 @@
 
 #if !defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 1296
+#define TRUEAXIS_LOOP_WORDS 1264
 #endif
 
 #if defined(TRUEAXIS_SINGLE)
 /// Words of a `trueaxis_loop_t`.
-#define TRUEAXIS_LOOP_WORDS 768
+#define TRUEAXIS_LOOP_WORDS 736
 #endif
 
 #if !defined(TRUEAXIS_SINGLE)

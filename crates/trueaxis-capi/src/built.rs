@@ -14,10 +14,10 @@ use trueaxis::{Bypass, Config, ConfigError, Fault, Measure};
 
 /// Words of a `trueaxis_loop_t`.
 #[cfg(not(feature = "single"))]
-pub const LOOP_WORDS: usize = 1296;
+pub const LOOP_WORDS: usize = 1264;
 /// Words of a `trueaxis_loop_t`.
 #[cfg(feature = "single")]
-pub const LOOP_WORDS: usize = 768;
+pub const LOOP_WORDS: usize = 736;
 /// Words of a `trueaxis_state_t`.
 #[cfg(not(feature = "single"))]
 pub const STATE_WORDS: usize = 952;

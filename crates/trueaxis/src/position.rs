@@ -69,8 +69,10 @@ pub trait Position: Sealed + Copy + Debug + Default + PartialEq + PartialOrd + S
     /// distance is meaningless. `low` and `reach` together must stay below 2.147 m, and so must `reach` alone.
     fn steps_above<R: Real>(self, low: Self, reach: Self::Reach) -> (R, bool);
     /// What [`Position::phase`] needs of a period of `length` mm (deg), from 0.001 on.
+    #[doc(hidden)]
     fn rate(length: f64) -> u64;
     /// Place within a period, 0 at machine zero, in units of 2⁻³² of the period; it wraps with the period.
+    #[doc(hidden)]
     fn phase(self, rate: u64) -> u32;
     /// Whether it lies from the first of two limits to the second, both included.
     #[inline(always)]

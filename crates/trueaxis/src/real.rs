@@ -61,6 +61,12 @@ pub trait Real:
     fn of_index(index: u16) -> Self;
     /// Reads the index that [`Real::of_index`] stored; no arithmetic, one load.
     fn to_index(self) -> usize;
+    /// Stores a word as the bits of a scalar, which is only moved: it may be a NaN.
+    #[doc(hidden)]
+    fn of_word(word: u32) -> Self;
+    /// Reads the word that [`Real::of_word`] stored.
+    #[doc(hidden)]
+    fn to_word(self) -> u32;
     /// Square root; 0 for arguments that are not positive.
     fn sqrt(self) -> Self;
     /// Square root of a value that cannot be negative, such as a sum of squares: without a test.
@@ -130,6 +136,14 @@ macro_rules! real {
             #[inline(always)]
             fn to_index(self) -> usize {
                 usize::from(self.to_bits() as u16)
+            }
+            #[inline(always)]
+            fn of_word(word: u32) -> $t {
+                <$t>::from_bits(word.into())
+            }
+            #[inline(always)]
+            fn to_word(self) -> u32 {
+                self.to_bits() as u32
             }
             #[inline(always)]
             fn sqrt(self) -> $t {

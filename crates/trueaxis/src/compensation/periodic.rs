@@ -5,7 +5,7 @@
 //! that has the error's value and slope at both ends:
 //!
 //! ```text
-//! E = k0 + k1 t + k2 t² + k3 t³          t = 0 … 1 in the cell
+//! E = k0 + k1 t + k2 t² + k3 t³          t = 0 … 65536 in the cell
 //! ```
 //!
 //! With 16 cells, h the length of one over the wavelength of the highest harmonic, the cubics deviate from that harmonic by at
@@ -32,9 +32,11 @@ use crate::real::Real;
 
 /// Cells in the wavelength of the highest harmonic.
 const CELLS_PER_WAVE: usize = 16;
+/// Parts of a cell in which places are told apart.
+const PARTS: f64 = 65536.0;
 /// Lines before the cells of a period.
 const HEAD: usize = 2;
-/// Bit beside the slot in the first number of a head's second line: the next period is of another axis.
+/// Bit beside the slot: the next period is of another axis.
 const LAST: u16 = 1 << 3;
 
 /// Four numbers: the polynomial of a cell, or half a head.
@@ -57,7 +59,7 @@ struct Wave<'a, R> {
     count: usize,
     /// First cell of negative travel.
     reverse: usize,
-    /// Cells per mm (deg).
+    /// Parts of cells per mm (deg).
     scale: R,
 }
 
@@ -85,20 +87,21 @@ fn write<R: Real, P: Position>(
 ) {
     let count = cells(settings);
     let width = settings.length() / count as f64;
-    let [rate, figures, lines @ ..] = lines else { return };
-    let bits = P::rate(settings.length());
-    *rate = [0, 16, 32, 48].map(|shift| R::of_index((bits >> shift) as u16));
+    let [first, second, lines @ ..] = lines else { return };
+    let rate = P::rate(settings.length());
     let reverse = if settings.is_two_sided() { count } else { 0 };
     // Six axes, and at most 192 cells.
     let axis = slot as u16 | if last { LAST } else { 0 };
-    *figures = [R::of_index(axis), R::of_index(count as u16), R::of_index(reverse as u16), R::of(1.0 / width)];
+    *first = [R::of_index(axis), R::of_word(rate as u32), R::of_word((rate >> 32) as u32), R::of(PARTS / width)];
+    *second = [R::of_index(count as u16), R::of_index(reverse as u16), R::ZERO, R::ZERO];
     for (block, negative) in lines.chunks_mut(count).zip([false, true]) {
         for (index, cell) in block.iter_mut().enumerate() {
             let [[e0, d0], [e1, d1]] = [index, index + 1].map(|node| {
                 let [error, slope] = settings.error_and_slope(node as f64 * width, negative);
                 [sense * error, sense * slope * width]
             });
-            *cell = [e0, d0, 3.0 * (e1 - e0) - 2.0 * d0 - d1, 2.0 * (e0 - e1) + d0 + d1].map(R::of);
+            let [k2, k3] = [3.0 * (e1 - e0) - 2.0 * d0 - d1, 2.0 * (e0 - e1) + d0 + d1];
+            *cell = [e0, d0 / PARTS, k2 / (PARTS * PARTS), k3 / (PARTS * PARTS * PARTS)].map(R::of);
         }
     }
 }
@@ -107,45 +110,22 @@ impl<'a, R: Real> Wave<'a, R> {
     /// Reads the next period, and returns the lines after it.
     #[inline(always)]
     fn next(lines: &'a [Line<R>]) -> Option<(Self, &'a [Line<R>])> {
-        let [[a, b, c, d], [axis, count, reverse, scale], rest @ ..] = lines else { return None };
-        let [a, b, c, d] = [a, b, c, d].map(|part| part.to_index() as u32);
+        let [[axis, low, high, scale], [count, reverse, ..], rest @ ..] = lines else { return None };
         let (axis, count, reverse) = (axis.to_index(), count.to_index(), reverse.to_index());
         let (cells, after) = rest.split_at_checked(count.wrapping_add(reverse))?;
-        let rate = u64::from(d << 16 | c) << 32 | u64::from(b << 16 | a);
-        let wave = Wave {
-            slot: axis & usize::from(LAST - 1),
-            last: axis & usize::from(LAST) != 0,
-            rate,
-            cells,
-            count,
-            reverse,
-            scale: *scale,
-        };
+        let rate = u64::from(high.to_word()) << 32 | u64::from(low.to_word());
+        let (slot, last) = (axis & usize::from(LAST - 1), axis & usize::from(LAST) != 0);
+        let wave = Wave { slot, last, rate, cells, count, reverse, scale: *scale };
         Some((wave, after))
     }
 
     /// The cell at a place in the period, and where in it.
     #[inline(always)]
-    fn cell(&self, phase: u32, direction: Direction) -> (Line<R>, R) {
+    fn cell(&self, phase: u32, direction: Direction) -> Option<(&'a Line<R>, R)> {
         // Whole and fraction of the place in cells.
         let place = u64::from(phase) * self.count as u64;
         let index = ((place >> 32) as usize).wrapping_add(self.reverse & direction.mask());
-        let t = R::of_i32((place as u32 >> 1) as i32) * R::of(1.0 / (1_u32 << 31) as f64);
-        (self.cells.get(index).copied().unwrap_or_default(), t)
-    }
-
-    /// Error at a position, mm (deg).
-    #[inline(always)]
-    fn at<P: Position>(&self, position: P, direction: Direction) -> R {
-        let (cell, t) = self.cell(position.phase(self.rate), direction);
-        value(&cell, t)
-    }
-
-    /// Error at a position, and its slope, mm per mm (deg).
-    #[inline(always)]
-    fn with_slope<P: Position>(&self, position: P, direction: Direction) -> [R; 2] {
-        let (cell, t) = self.cell(position.phase(self.rate), direction);
-        [value(&cell, t), slope(&cell, t) * self.scale]
+        Some((self.cells.get(index)?, R::of_i32((place as u32 >> 16) as i32)))
     }
 }
 
@@ -154,9 +134,12 @@ fn value<R: Real>([k0, k1, k2, k3]: &Line<R>, t: R) -> R {
     k0.add_product(t, k1.add_product(t, k2.add_product(t, *k3)))
 }
 
+/// [`value`] and its slope per part of a cell.
 #[inline(always)]
-fn slope<R: Real>([_, k1, k2, k3]: &Line<R>, t: R) -> R {
-    k1.add_product(t, (*k2 + *k2).add_product(t, R::THREE * *k3))
+fn value_and_slope<R: Real>([k0, k1, k2, k3]: &Line<R>, t: R) -> [R; 2] {
+    let second = k2.add_product(t, *k3);
+    let first = k1.add_product(t, second);
+    [k0.add_product(t, first), first.add_product(t, second.add_product(t, *k3))]
 }
 
 impl<'a, R: Real> Periods<'a, R> {
@@ -219,10 +202,16 @@ impl<'a, R: Real> Periods<'a, R> {
             else {
                 break;
             };
-            let [here, rise] = wave.with_slope(*drive, reversal.direction());
-            error += here;
-            slope += rise;
-            tip += wave.at(*back, reversal.direction());
+            let direction = reversal.direction();
+            let (Some((there, along)), Some((here, t))) =
+                (wave.cell(drive.phase(wave.rate), direction), wave.cell(back.phase(wave.rate), direction))
+            else {
+                break;
+            };
+            let [own, rise] = value_and_slope(there, along);
+            error += own;
+            slope = slope.add_product(rise, wave.scale);
+            tip += value(here, t);
             if !wave.last {
                 continue;
             }
@@ -253,14 +242,15 @@ impl<'a, R: Real> Periods<'a, R> {
             if wave.slot != slot {
                 continue;
             }
-            let periods = position * wave.scale / R::of_i32(wave.count as i32);
+            let periods = position * wave.scale / R::of_i32((wave.count << 16) as i32);
             let part = periods - R::of_i32(periods.to_i32());
             // A negative part wraps.
             let phase = ((part * R::of((1_u32 << 31) as f64)).to_i32() as u32) << 1;
-            let (cell, t) = wave.cell(phase, direction);
-            let [error, rise] = &mut sum;
-            *error += value(&cell, t);
-            *rise += slope(&cell, t) * wave.scale;
+            let Some((cell, t)) = wave.cell(phase, direction) else { break };
+            let [own, rise] = value_and_slope(cell, t);
+            let [error, slope] = &mut sum;
+            *error += own;
+            *slope += rise * wave.scale;
         }
         sum
     }
