@@ -26,7 +26,7 @@
 use super::reversal::{Direction, Reversal};
 use super::table::enough;
 use crate::error::ConfigError;
-use crate::machine::{AxisOrder, MachineSettings, PERIODIC_CAPACITY, PeriodicSettings, carries_workpiece};
+use crate::machine::{AxisOrder, MachineSettings, PeriodicSettings, carries_workpiece};
 use crate::position::Position;
 use crate::real::Real;
 
@@ -194,8 +194,7 @@ impl<'a, R: Real> Periods<'a, R> {
         let mut lines = self.0;
         let [mut error, mut slope, mut tip] = [R::ZERO; 3];
         // At most 6 rounds: the settings hold no more periods.
-        for _ in 0..PERIODIC_CAPACITY {
-            let Some((wave, after)) = Wave::next(lines) else { break };
+        while let Some((wave, after)) = Wave::next(lines) {
             lines = after;
             let slot = wave.slot;
             let (Some(drive), Some(back), Some(reversal)) = (drive.get(slot), feedback.get(slot), reversal.get(slot))
@@ -236,8 +235,7 @@ impl<'a, R: Real> Periods<'a, R> {
         let mut lines = self.0;
         let mut sum = [R::ZERO; 2];
         // At most 6 rounds: the settings hold no more periods.
-        for _ in 0..PERIODIC_CAPACITY {
-            let Some((wave, after)) = Wave::next(lines) else { break };
+        while let Some((wave, after)) = Wave::next(lines) {
             lines = after;
             if wave.slot != slot {
                 continue;

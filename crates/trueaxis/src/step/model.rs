@@ -74,8 +74,7 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         self.model_outside_cells(state, sample, needs_tilt)
     }
 
-    /// Models any cycle of a machine with periods, in a second round if their correction has moved so far that the tables
-    /// differ there.
+    /// Models any cycle of a machine with periods.
     // Only with periods.
     #[inline(never)]
     fn model_with_periods(
@@ -85,28 +84,48 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         periods: &Periods<'_, R>,
         needs_tilt: bool,
     ) -> Modelled<R, N> {
-        let mut drive = self.place(state, sample.command);
-        let mut modelled = Modelled::NOTHING;
-        // At most 2 rounds: of the first round's error the tables' slope is left.
-        for is_last in [false, true] {
-            let places = [sample.command, &drive, sample.feedback];
-            modelled = match self.model_in_kept_cells(state, sample, &drive) {
-                Some(modelled) => modelled,
-                None => self.model_beside_periods(state, sample, periods, &drive, needs_tilt),
-            };
-            if !(sample.homed && matches!(sample.verdict, Verdict::Active | Verdict::Inactive)) {
-                break;
+        let drive = self.place(state, sample.command);
+        let is_calm = sample.verdict == Verdict::Active
+            && state.cells.are_direct_with_periods(&self.tables)
+            && self.all_continue(state);
+        if is_calm && let Some((mut modelled, square)) = self.model_in_kept_cells(state, sample, periods, &drive) {
+            if !state.cells.inverse_end().is_reached(square) {
+                self.model_there(state, sample, periods, &mut modelled);
             }
+            return modelled;
+        }
+        let mut modelled = self.model_beside_periods(state, sample, periods, &drive, needs_tilt);
+        if sample.homed && matches!(sample.verdict, Verdict::Active | Verdict::Inactive) {
+            let places = [sample.command, &drive, sample.feedback];
             let Modelled { wanted, tip_error, .. } = &mut modelled;
             let square = periods.complete(places, &state.reversal, wanted, tip_error);
-            if is_last || state.cells.end_with_periods(&self.tables, &state.thermal).is_reached(square) {
-                break;
-            }
-            for ((drive, command), wanted) in drive.iter_mut().zip(sample.command).zip(wanted) {
-                *drive = command.moved(P::offset(*wanted));
+            let end = state.cells.end_with_periods(&self.tables, &state.thermal);
+            if state.cells.are_direct_with_periods(&self.tables) && !end.is_reached(square) {
+                self.model_there(state, sample, periods, &mut modelled);
             }
         }
         modelled
+    }
+
+    /// Models a cycle again where its corrections lead, if that is within the cells: the periods have moved them so far that
+    /// the tables differ there.
+    // Only with periods.
+    #[cold]
+    #[inline(never)]
+    fn model_there(
+        &self,
+        state: &State<R, P, N>,
+        sample: &Sample<P, N>,
+        periods: &Periods<'_, R>,
+        modelled: &mut Modelled<R, N>,
+    ) {
+        let mut drive = *sample.command;
+        for (drive, wanted) in drive.iter_mut().zip(&modelled.wanted) {
+            *drive = drive.moved(P::offset(*wanted));
+        }
+        if let Some((again, _)) = self.model_in_kept_cells(state, sample, periods, &drive) {
+            *modelled = again;
+        }
     }
 
     /// The tables' part of any cycle with periods: the tables see a machine without periods with these drives. Their command
@@ -143,24 +162,23 @@ impl<R: Real, P: Position, const N: usize> ServoLoop<'_, R, P, N> {
         modelled
     }
 
-    /// Models a cycle with periods that stays within its cells, without them.
+    /// Models a cycle with periods within its cells. Returns the square of the way to the corrections as well.
     // Only with periods.
     #[inline(always)]
     fn model_in_kept_cells(
         &self,
-        state: &mut State<R, P, N>,
+        state: &State<R, P, N>,
         sample: &Sample<P, N>,
+        periods: &Periods<'_, R>,
         drive: &[P; N],
-    ) -> Option<Modelled<R, N>> {
-        let is_calm = sample.verdict == Verdict::Active
-            && state.cells.are_direct_with_periods(&self.tables)
-            && self.all_continue(state);
-        if !is_calm {
-            return None;
-        }
+    ) -> Option<(Modelled<R, N>, R)> {
         let (there, back) = (drive.first_chunk()?, sample.feedback.first_chunk()?);
         let (errors, at_edge) = state.cells.errors_beside_periods(&self.tables, &state.grids, there, back)?;
-        Some(Modelled::of_errors(errors, at_edge))
+        let mut modelled = Modelled::of_errors(errors, at_edge);
+        let Modelled { wanted, tip_error, .. } = &mut modelled;
+        let places = [sample.command, drive, sample.feedback];
+        let square = periods.complete(places, &state.reversal, wanted, tip_error);
+        Some((modelled, square))
     }
 
     /// Whether no drive has reversed.
