@@ -194,6 +194,7 @@ impl FoundPeriod {
             found: self.known(size(&forward), self.uncertainty),
             written,
             why,
+            share: share.unwrap_or(0.0),
         }
     }
 }
