@@ -245,7 +245,7 @@ fn bad_logs_are_refused_with_their_line() {
     // A ring of another size, but within the probing moves: 150.4 mm, plus 16 µm by the tip and 4.5 µm by backlash, minus
     // 0.75 µm by the scales.
     let other = Bench { ring_mm: 150.4, ..bench() };
-    refused(other.run(&program), &["probe.log:", "ring at place 1 measured 150.4197 mm", "150 mm within 150 µm"]);
+    refused(other.run(&program), &["probe.log:", "ring at place 1 measured 150.419", "150 mm within 150 µm"]);
     // 0.6 µm per touch amount to 24 µm between two probings of the reference.
     let warm = Bench { drift_um: 0.6, ..bench() };
     refused(warm.run(&program), &["probe.log:", "a drift of", "µm", "less than the measured errors"]);

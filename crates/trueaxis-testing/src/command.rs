@@ -50,12 +50,17 @@ impl Folder {
         fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
     }
 
-    /// Copies the files of another folder into a folder `name` of this one.
+    /// Copies the files and folders of another folder into a folder `name` of this one.
     #[track_caller]
-    pub fn copy(&self, from: &Path, name: &str) {
+    pub fn copy(&self, from: &Path, name: impl AsRef<Path>) {
         for file in fs::read_dir(from).unwrap() {
             let file = file.unwrap();
-            self.write(Path::new(name).join(file.file_name()), fs::read(file.path()).unwrap());
+            let (from, to) = (file.path(), name.as_ref().join(file.file_name()));
+            if from.is_dir() {
+                self.copy(&from, to);
+            } else {
+                self.write(to, fs::read(from).unwrap());
+            }
         }
     }
 
