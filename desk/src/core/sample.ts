@@ -19,7 +19,7 @@ export class Samples {
   /** Marks what is shown as something else than the user's record. */
   say(what: string): void {
     this.mark.hidden = what === "";
-    this.mark.textContent = `${what}, not your record`;
+    this.mark.textContent = what && `${what}, not your record`;
   }
 }
 

@@ -40,6 +40,8 @@ export class Part {
   private found: Predicted | undefined;
   /** Counts the predictions, so that a late response is discarded. */
   private latest = 0;
+  /** What the last prediction was asked with. */
+  private asked = "";
   /** The place that the sliders ask for while another one is computed. */
   private wanted: [at: Vector, celsius: number | undefined] | undefined;
   private isMoving = false;
@@ -64,7 +66,8 @@ export class Part {
   private readonly budget = el("div", { class: "figures" });
   private readonly notes = el("div", { class: "figures" });
   private readonly results: HTMLElement;
-  private readonly soon = debounce(250, () => void this.predict());
+  // Files dropped with their machine are predicted at once: its change asks for the same again, which would cancel what runs.
+  private readonly soon = debounce(250, () => this.asked !== this.asking && void this.predict());
   private readonly rest = debounce(REST_MS, () => void this.predict());
 
   constructor(
@@ -136,6 +139,11 @@ export class Part {
     this.open({ request: { ...SAMPLE, ...this.draws }, sample: true });
   }
 
+  /** What a prediction depends on. */
+  private get asking(): string {
+    return JSON.stringify([this.desk.machine.json, this.request]);
+  }
+
   private get draws(): Pick<Request, "trials" | "seed"> {
     return { trials: this.fields.trials.value, seed: this.fields.seed.value };
   }
@@ -161,6 +169,7 @@ export class Part {
     const { desk, request } = this;
     if (!request) return;
     const turn = ++this.latest;
+    this.asked = this.asking;
     this.samples.shown = this.isSample;
     this.longer.forget();
     this.temperature.set(request);
