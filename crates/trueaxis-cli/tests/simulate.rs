@@ -404,7 +404,7 @@ fn sample_records_are_what_the_commands_write() {
         let [.., "-o", record] = words.as_slice() else { panic!("{command}") };
         std::fs::remove_file(folder.join(record)).unwrap();
         folder.good(&words);
-        assert_eq!(folder.read(record), String::from_utf8_lossy(&committed[Path::new(record)]), "{command}");
+        assert_eq!(folder.read(record), String::from_utf8_lossy(&committed[&folder.join(record)]), "{command}");
         written += 1;
     }
     assert_eq!((written, folder.tree().len()), (8, committed.len()));
