@@ -3,7 +3,7 @@
 use crate::becomes::Becomes;
 use crate::files::machine;
 use crate::{Refusal, json, to_js};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use trueaxis_evaluation::rows::{Column, Rows};
@@ -149,6 +149,9 @@ fn evaluate(test: &str, files: &str, name: &str, bytes: &[u8], request: &str) ->
                 let changed = document.files(&found, name);
                 (document.shown(&found), changed.map(|changed| Becomes::whole(files, changed)).transpose()?)
             } else {
+                if against.is_some() {
+                    bail!("--against: found points along X, Y and Z, needed points in a plane or on a line");
+                }
                 let found = points::identify(&record, &machine, &options).map_err(context)?;
                 let document = points::PointsDocument::new(&record, &found);
                 let becomes = Becomes::whole(files, document.files(&found, name))?;
