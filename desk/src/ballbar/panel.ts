@@ -4,7 +4,7 @@ import sample from "../../../records/ballbar.csv";
 import { IntoMachine, type Becomes } from "../core/becomes";
 import { message, type Desk } from "../core/desk";
 import { choice, commandLine, el, group, numberField, optionalField, section, tick } from "../core/dom";
-import { onDrop, picker, type Given } from "../core/files";
+import { onDrop, picker, plainName, type Given } from "../core/files";
 import { FIRST_MACHINE, Samples } from "../core/sample";
 import { word } from "../core/shell";
 import type { Axes, Evaluated, Request } from "./documents";
@@ -102,7 +102,7 @@ export class Ballbar {
 
   private take([file]: Given[]): void {
     if (!file) return;
-    this.record = { name: file.path.split("/").at(-1) ?? file.path, bytes: file.bytes, sample: false };
+    this.record = { name: plainName(file.path), bytes: file.bytes, sample: false };
     void this.evaluate();
   }
 

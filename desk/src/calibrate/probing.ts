@@ -3,7 +3,7 @@
 import { IntoMachine } from "../core/becomes";
 import { message, type Desk } from "../core/desk";
 import { button, commandLine, debounce, el, notes, section, unique } from "../core/dom";
-import { onDrop, picker, save, text, type Given } from "../core/files";
+import { onDrop, picker, plainName, save, text, type Given } from "../core/files";
 import type { Files } from "../core/machine";
 import { significant } from "../core/number";
 import { Samples } from "../core/sample";
@@ -187,7 +187,7 @@ export abstract class Probing {
     this.showTruth();
     const texts = new Map<string, string>();
     for (const { path, bytes } of given) {
-      const [name, content] = [path.split("/").at(-1) ?? path, text(bytes)];
+      const [name, content] = [plainName(path), text(bytes)];
       if (content === undefined) {
         this.desk.fail(new Error(`${name}: found bytes that are not UTF-8, needed a text`));
         return;

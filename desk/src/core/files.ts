@@ -8,6 +8,9 @@ export interface Given {
   bytes: Uint8Array;
 }
 
+/** The name of a file without its folders. */
+export const plainName = (path: string) => path.split("/").at(-1) ?? path;
+
 /** Files in the module's format: paths and lengths, and the bytes one after the other. */
 export function packed(files: readonly Given[]): [names: string, bytes: Uint8Array] {
   const bytes = new Uint8Array(files.reduce((sum, file) => sum + file.bytes.length, 0));

@@ -1,12 +1,11 @@
 // Part programs given together: the main one, and the files of its subprograms.
 
-import { text, type Given } from "./files";
+import { plainName, text, type Given } from "./files";
 
 /** Texts of files by name. */
 type Texts = Readonly<Record<string, string>>;
 
 const ENDING = /\.(ngc|nc|gcode|tap|cnc|txt)$/i;
-export const plainName = (path: string) => path.split("/").at(-1) ?? path;
 export const isProgram = (path: string) => ENDING.test(path);
 
 /** The text of a program, whose comments may be in any encoding. */

@@ -3,7 +3,7 @@
 import { IntoMachine } from "../core/becomes";
 import { message, type Desk } from "../core/desk";
 import { choice, commandLine, debounce, el, group, section, table } from "../core/dom";
-import { onDrop, picker, type Given } from "../core/files";
+import { onDrop, picker, plainName, type Given } from "../core/files";
 import { FIRST_MACHINE, Samples } from "../core/sample";
 import { word } from "../core/shell";
 import type { Evaluated, Test } from "./documents";
@@ -107,9 +107,8 @@ export class Evaluate {
 
   private take([file, second]: Given[]): void {
     if (!file) return;
-    const name = ({ path }: Given) => path.split("/").at(-1) ?? path;
-    this.record = { name: name(file), bytes: file.bytes, sample: undefined };
-    this.against = second && { name: name(second), text: new TextDecoder().decode(second.bytes) };
+    this.record = { name: plainName(file.path), bytes: file.bytes, sample: undefined };
+    this.against = second && { name: plainName(second.path), text: new TextDecoder().decode(second.bytes) };
     this.recognised = undefined;
     void this.evaluate();
   }

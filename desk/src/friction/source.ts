@@ -1,7 +1,7 @@
 // Source of the record: a file, or circles simulated on the machine.
 
 import { button, choice, el, group, numberField, type Field } from "../core/dom";
-import { picker, text, type Given } from "../core/files";
+import { picker, plainName, text, type Given } from "../core/files";
 import { word } from "../core/shell";
 
 /** Circles and the simulated drives' true figures, by the keys of the simulator's settings. */
@@ -115,7 +115,7 @@ export class Source {
     if (!file) return;
     const content = text(file.bytes);
     if (content === undefined) this.events.failed(new Error(`${file.path}: found bytes that are not UTF-8, needed a CSV text`));
-    else this.events.record(file.path.split("/").at(-1) ?? file.path, content, this.axes);
+    else this.events.record(plainName(file.path), content, this.axes);
   }
 
   /** Enables the buttons that can be used. */

@@ -1,7 +1,7 @@
 // The files of a part: its own with the programs and tasks that it names, the machine, temperatures.
 
 import type { Desk } from "../core/desk";
-import { text, type Given } from "../core/files";
+import { plainName, text, type Given } from "../core/files";
 import { isProgram, mainOf } from "../core/programs";
 import { adopt } from "../core/machine";
 import type { Request, Text } from "./documents";
@@ -36,7 +36,7 @@ export class Files {
   async take(given: Given[], old: Request | undefined, sample: boolean, draws: Draws): Promise<Taken> {
     const texts = new Map<string, string>();
     for (const { path, bytes } of given) {
-      const name = path.split("/").at(-1) ?? path;
+      const name = plainName(path);
       const content = text(bytes);
       if (content === undefined) throw new Error(`${name}: found bytes that are not UTF-8, needed a text`);
       texts.set(name, content);
@@ -95,7 +95,7 @@ export class Files {
     for (const one of given) {
       try {
         const files = await this.desk.bench.call("predict_files", ...one);
-        [this.program, ...this.named] = files.map((path) => path.split("/").at(-1)!) as [string, ...string[]];
+        [this.program, ...this.named] = files.map(plainName) as [string, ...string[]];
         return one;
       } catch (error) {
         refused ??= error;

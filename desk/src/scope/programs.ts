@@ -1,8 +1,8 @@
 // The part program: a built-in one, or a file.
 
 import { choice, el, section } from "../core/dom";
-import { picker, text, type Given } from "../core/files";
-import { isProgram, plainName, programs } from "../core/programs";
+import { picker, plainName, text, type Given } from "../core/files";
+import { isProgram, programs } from "../core/programs";
 import type { BuiltIn } from "./documents";
 import { Listing } from "./listing";
 import type { FileOf, ProgramOf } from "./setup";

@@ -2,7 +2,7 @@
 
 import { message, type Desk } from "../core/desk";
 import { button, commandLine, debounce, el, textField, section, typed } from "../core/dom";
-import { onDrop, picker, save, text, type Given } from "../core/files";
+import { onDrop, picker, plainName, save, text, type Given } from "../core/files";
 import { FIRST_MACHINE, Samples } from "../core/sample";
 import { word } from "../core/shell";
 import type { Fitted } from "./documents";
@@ -82,7 +82,7 @@ export class Growth {
 
   private take([file]: Given[]): void {
     if (!file) return;
-    const name = file.path.split("/").at(-1) ?? file.path;
+    const name = plainName(file.path);
     const content = text(file.bytes);
     if (content === undefined) {
       this.desk.fail(new Error(`${name}: found bytes that are not UTF-8, needed a text`));

@@ -27,7 +27,7 @@ pub enum Kind {
     Ball {
         /// Diameter, mm.
         diameter_mm: f64,
-        /// Whether it is touched in five points instead of all, at every pose.
+        /// Whether it is touched at five points in every pose, instead of thirteen.
         few: bool,
     },
     /// Balls on a plate.

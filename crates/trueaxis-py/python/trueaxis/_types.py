@@ -2550,7 +2550,7 @@ class MeasuredPlaneTransfer(Section):
     after_um : float
         The same after the terms are subtracted, µm.
     own_um : float | None
-        Held-out residual of the same model with terms of its own, µm; null if the record does not determine them.
+        Held-out residual of the same model fitted to this record itself, µm; null if the record does not determine it.
     areas : int
         Number of areas.
     p : float

@@ -16,7 +16,7 @@ pub struct ReadOptions {
     pub block_delete: bool,
     /// Folder with the files of subprograms, the program's own; if absent, they are in the program itself.
     pub folder: Option<PathBuf>,
-    /// Texts of the files of subprograms by name, `name.ngc`, where there is no folder.
+    /// Text of each subprogram file by name, `name.ngc`, for a program without a folder.
     pub texts: Option<BTreeMap<String, String>>,
     /// What probing moves touch; if absent, they go to their ends.
     pub surface: Option<Surface>,

@@ -39,7 +39,7 @@ pub(super) struct Candidate {
     pub(super) minutes: f64,
     /// About the terms, the tips and the sizes of all artefacts.
     pub(super) information: Information,
-    /// Whether a solution has the term if this placement is in the task.
+    /// For each term, whether a task with this placement has it among its unknowns.
     pub(super) spans: Vec<bool>,
 }
 

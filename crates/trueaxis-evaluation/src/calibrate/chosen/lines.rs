@@ -31,7 +31,7 @@ pub struct CentreLine {
     pub axis: char,
     /// Standard error of its place, of the two directions across it the larger, µm.
     pub place_um: f64,
-    /// The same of its tilt, µrad.
+    /// Standard error of its tilt, of the two directions across it the larger, µrad.
     pub tilt_urad: f64,
 }
 

@@ -44,7 +44,7 @@ pub(super) fn poses(task: &Task, machine: &Machine, axes: &[Axis]) -> Vec<[f64; 
     all
 }
 
-/// What a placement of a ball may turn: every axis alone, and all of them. Without rotary axes a ball is not turned.
+/// Lists of poses for a ball in one place: each axis turned alone, and all together. Without rotary axes, the zero pose alone.
 pub(super) fn patterns(task: &Task, machine: &Machine) -> Vec<Vec<[f64; 3]>> {
     let axes = turning(task, machine);
     let mut all: Vec<Vec<[f64; 3]>> = axes.iter().map(|axis| poses(task, machine, &[*axis])).collect();

@@ -157,9 +157,7 @@ impl PlaneDocument {
         );
         found.machine.as_ref().map(|machine| machine_files(machine, &comment))
     }
-}
 
-impl PlaneDocument {
     /// The points in words.
     pub(super) fn points_sentence(&self, found: &PlaneFit) -> String {
         format!("{} {}", self.points, found.lie.sentence())
@@ -235,7 +233,7 @@ fn terms(found: &PlaneFit) -> (Vec<PlaneTerm>, Vec<Function>) {
     (terms, functions)
 }
 
-/// What the setting of a line or an inclination leaves open.
+/// Terms that the alignment of a line, or the inclination of a plane, leaves undetermined.
 fn not_determined(found: &PlaneFit) -> Vec<String> {
     match found.lie {
         Lie::Plane(_) => Vec::new(),

@@ -60,7 +60,7 @@ fn combination(shares: [f64; 6], [value, error]: [f64; 2]) -> String {
     format!("{text} = {} ± {} ppm (standard error)", as_far_as(value, error, 2), as_far_as(error, error, 2))
 }
 
-/// What points on an inclined line show.
+/// The only combination of terms that points on an inclined line determine, in words.
 pub(super) fn along(points: &Points, along: DVec3) -> String {
     let mut fit = LinearFit::new(2);
     for point in &points.points {

@@ -49,7 +49,7 @@ fn extent(points: &Points) -> Extent {
 }
 
 impl Points {
-    /// Whether the points lie in a plane or on a line: [`identify_plane`](super::identify_plane) then evaluates them.
+    /// Whether the points lie in a plane or on a line, so that [`identify_plane`](super::identify_plane) evaluates them.
     pub fn are_flat(&self) -> bool {
         !matches!(extent(self), Extent::Space)
     }
@@ -156,7 +156,7 @@ impl Lie {
         }
     }
 
-    /// Whether points that lie like this can be compared with these.
+    /// Whether errors found from points that lie like this can be tested on points that lie like the other.
     pub(super) fn is_like(self, other: Lie) -> bool {
         match (self, other) {
             (Lie::Line([one, _]), Lie::Line([two, _])) => one == two,
@@ -227,8 +227,8 @@ impl Lie {
         .collect()
     }
 
-    /// What the rotation of the instrument about the axes within the plane adds to the deviations in it, where the points also
-    /// differ across it: the slopes of the deviations across the plane show this rotation.
+    /// Deviations in the plane that come from a rotation of the instrument about the axes of the plane, where the plane is tilted.
+    /// The slopes of the deviations across the plane show this rotation.
     fn turned(self, points: &Points, offs: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let mut turned = vec![[0.0; 3]; offs.len()];
         for across in self.others().filter(|k| points.spread(|point| point.command_mm[*k]) >= CONSTANT_MM) {

@@ -96,16 +96,13 @@ pub(super) fn without_rest(points: &Points, machine: Option<&Machine>, lie: Lie)
     Ok(lie.readings(points, &errors))
 }
 
-/// The machine, whose own errors of the same kind are replaced by these, and remarks; `None` without errors.
+/// The machine, whose own errors of the same kind are replaced by these, and remarks.
 pub(super) fn filled(
     machine: &Machine,
     lie: Lie,
     errors: &PlaneErrors,
     points: &Points,
-) -> Result<(Option<Machine>, Vec<String>)> {
-    if *errors == PlaneErrors::None {
-        return Ok((None, Vec::new()));
-    }
+) -> Result<(Machine, Vec<String>)> {
     let axes = lie.axes();
     let in_plane = matches!(lie, Lie::Plane(_));
     let mut filled = machine.clone();
@@ -150,7 +147,7 @@ pub(super) fn filled(
             .push(format!("{name} and the positioning and straightness of both axes in the plane are within the map"));
     }
     changes.extend(raise(&mut filled));
-    Ok((Some(filled), changes))
+    Ok((filled, changes))
 }
 
 /// Whether a table states anything but translations along these axes.

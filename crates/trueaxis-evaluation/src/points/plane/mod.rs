@@ -113,13 +113,13 @@ pub fn identify_plane(
     };
     let helps = transfer.as_ref().is_none_or(|test| test.transfers);
     let (machine, changes) = match machine {
-        Some(machine) if helps && errors != PlaneErrors::None => match lie {
-            Lie::Inclined(..) => {
-                let (machine, changes) = inclined::added(machine, &inclined.0, points);
-                (Some(machine), changes)
-            }
-            _ => machine::filled(machine, lie, &errors, points)?,
-        },
+        Some(machine) if helps && errors != PlaneErrors::None => {
+            let (machine, changes) = match lie {
+                Lie::Inclined(..) => inclined::added(machine, &inclined.0, points),
+                _ => machine::filled(machine, lie, &errors, points)?,
+            };
+            (Some(machine), changes)
+        }
         _ => (None, Vec::new()),
     };
     let (tilt, unused, points) = (lie.tilt(points), lie.unused(points), readings);

@@ -21,7 +21,7 @@ pub struct Transfer {
     pub before_um: f64,
     /// The same after the terms are subtracted, µm.
     pub after_um: f64,
-    /// Held-out residual of the same model with terms of its own, µm; null if the record does not determine them.
+    /// Held-out residual of the same model fitted to this record itself, µm; null if the record does not determine it.
     pub own_um: Option<f64>,
     /// Number of areas.
     pub areas: usize,
